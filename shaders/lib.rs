@@ -1,8 +1,8 @@
 //! The WGSL sources of secateur's GPU stages.
 //!
 //! A shader has the name of its stage; `secateur-raster` runs them beside a twin in Rust, but for
-//! `leaf_sizes` and `wind`, which are for renderers: their twins are in `secateur-runtime`. All of them compute with
-//! integers only, but for the last steps of `wind`.
+//! `leaf_sizes`, `morph` and `wind`, which are for renderers: their twins are in `secateur-runtime`. All of them compute
+//! with integers only, but for `morph` and the last steps of `wind`.
 
 #![forbid(unsafe_code)]
 
@@ -29,6 +29,8 @@ shaders! {
     LEAF_IDS = "leaf_ids.wgsl";
     /// The sizes of leaves at a level of a removal order.
     LEAF_SIZES = "leaf_sizes.wgsl";
+    /// How a level becomes the next one.
+    MORPH = "morph.wgsl";
     /// Counts to a bound that some drivers never reach.
     PROBE = "probe.wgsl";
     /// Snapped triangles to pixels.
@@ -36,6 +38,12 @@ shaders! {
     /// How leaves and wood sway, by what they hang on.
     WIND = "wind.wgsl";
 }
+
+/// [`MORPH`] for WebGL 2 and OpenGL: functions for a vertex shader in GLSL ES 3.00.
+pub const MORPH_GLSL: &str = include_str!("morph.glsl");
+
+/// [`MORPH`] for Godot 4: a file that a spatial shader includes.
+pub const MORPH_GODOT: &str = include_str!("morph.gdshaderinc");
 
 /// [`WIND`] for WebGL 2 and OpenGL: functions for a vertex shader in GLSL ES 3.00.
 pub const WIND_GLSL: &str = include_str!("wind.glsl");

@@ -2,6 +2,7 @@
 
 mod files;
 mod impostors;
+mod morph;
 mod switches;
 
 use std::path::Path;

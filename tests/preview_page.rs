@@ -73,7 +73,11 @@ fn page_of_surfaces(surfaces: &[Vec<(Surface, bool)>]) -> String {
         };
         let name = format!("LOD{k}");
         let facts = Facts { name, report };
-        Level { surfaces, facts }
+        Level {
+            surfaces,
+            ends: None,
+            facts,
+        }
     });
     let levels: Vec<Level<'_>> = levels.collect();
     let preview = Preview {

@@ -38,6 +38,7 @@ fn page_with(model: &LodModel) -> String {
     let surfaces = surfaces_of(oak());
     let levels = [Level {
         surfaces: &surfaces,
+        ends: None,
         facts: Facts {
             name: "original".to_owned(),
             report: LevelReport {

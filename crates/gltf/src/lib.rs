@@ -143,6 +143,7 @@ mod levels_in_one_place;
 mod levels_inside;
 mod material;
 mod meshopt;
+mod morph_end;
 mod name_evidence;
 mod node;
 mod order_extras;
@@ -183,8 +184,8 @@ pub mod chain {
     pub use super::chain_problem::{ChainProblem, MAX_LEVELS};
     pub use super::write::chain::LevelContent;
     pub use super::write::chain::{
-        ChainFile, ChainFiles, Layout, Level, LevelTexture, PreparedChain, UnknownLayout,
-        WrittenChain, check_name,
+        ChainFile, ChainFiles, Layout, Level, LevelTexture, MORPH, Morph, PreparedChain,
+        UnknownLayout, WrittenChain, check_name,
     };
 }
 

@@ -18,6 +18,7 @@ mod dilate;
 pub mod impostor;
 pub mod leaf_boxes;
 mod material_changes;
+mod morph;
 pub mod stand;
 
 pub use clear_texels::{Dilated, dilated_textures};

@@ -49,6 +49,7 @@ fn write(output: &str, trees: &[String]) -> Result<usize, Box<dyn Error>> {
             let pixels_high = (k > 0).then(|| screen.height_px / f64::powi(2.0, k as i32 - 1));
             Level {
                 surfaces,
+                ends: None,
                 facts: facts(
                     k,
                     surfaces,

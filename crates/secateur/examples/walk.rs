@@ -1,14 +1,15 @@
 //! How much of a switch between levels is seen on a walk from near to far: the difference from each frame to the next,
-//! where levels switch at once and where they cross-fade, dithered, over their blend bands.
+//! where levels switch at once, where they cross-fade, dithered, over their blend bands, and where they morph.
 //!
 //! `cargo run --release --example walk -- PLANT.glb...` prints a line for each switch: what moving alone does to a frame,
-//! and the largest step with either. At 1.5 m/s, 60 frames a second, on a screen of 1080 pixels.
+//! and the largest step with each. At 1.5 m/s, 60 frames a second, on a screen of 1080 pixels. Levels are nested; to an
+//! impostor they cross-fade.
 
 use std::error::Error;
 
 use glam::{DMat4, DVec3};
 use secateur::stand::drawn;
-use secateur::{Document, Layout, LevelsOptions, Plant};
+use secateur::{Detail, Document, GltfError, Layout, LevelsOptions, Plant, Surface};
 use secateur_eval::{JudgedStand, StandCamera, StandKind, StandPicture, StandPlace};
 use secateur_levels::chain::BlendBand;
 use secateur_runtime::Screen;
@@ -18,42 +19,82 @@ const STEP_M: f64 = 1.5 / 60.0;
 
 fn main() -> Result<(), Box<dyn Error>> {
     println!(
-        "plant, switch, metres, pixels, frames of the band, moving alone, switching at once, cross-fading"
+        "plant, switch, metres, pixels, frames of the band, moving alone, switching at once, cross-fading, morphing"
     );
     for file in std::env::args().skip(1) {
         let largest = walk(&file)?;
         println!(
-            "{file}: largest step {:.3} at once, {:.3} cross-fading",
-            largest[0], largest[1]
+            "{file}: largest step {:.3} at once, {:.3} cross-fading, {:.3} morphing",
+            largest[0], largest[1], largest[2]
         );
     }
     Ok(())
 }
 
-/// The largest steps of a plant: switching at once, and cross-fading.
-fn walk(file: &str) -> Result<[f64; 2], Box<dyn Error>> {
-    let levels = Plant::open(file)?.levels(&LevelsOptions::default())?;
+/// A level as it is written, with its surfaces at both ends of the way to the next.
+struct Drawn {
+    kind: StandKind,
+    ways: [Vec<Surface>; 2],
+}
+
+impl Drawn {
+    fn of(document: &Document) -> Result<Self, GltfError> {
+        let surfaces = |document: &Document| -> Result<Vec<Surface>, GltfError> {
+            let drawn = document.drawn_scene(Detail::Color)?.into_iter();
+            Ok(drawn.map(|drawn| drawn.surface).collect())
+        };
+        Ok(Self {
+            kind: drawn(document)?,
+            ways: [surfaces(document)?, surfaces(&document.at_end_of_morph())?],
+        })
+    }
+
+    /// The level after this share of the way to the next.
+    fn on_its_way(&self, share: f64) -> StandKind {
+        let [begin, end] = &self.ways;
+        let mixed = begin.iter().zip(end).map(|(begin, end)| {
+            let positions = begin.positions.iter().zip(&end.positions);
+            Surface {
+                positions: positions.map(|(from, to)| from.lerp(*to, share)).collect(),
+                ..begin.clone()
+            }
+        });
+        StandKind::new(mixed.collect())
+    }
+}
+
+/// The largest steps of a plant: switching at once, cross-fading, and morphing.
+fn walk(file: &str) -> Result<[f64; 3], Box<dyn Error>> {
+    let options = LevelsOptions {
+        morph: true,
+        ..LevelsOptions::default()
+    };
+    let levels = Plant::open(file)?.levels(&options)?;
     let files = levels.to_bytes(Layout::Files)?.files;
-    let kinds = files.into_iter().map(|file| {
+    let drawn = files.into_iter().map(|file| {
         let document = Document::from_bytes(&file.name, file.bytes, None)?;
-        drawn(&document)
+        Drawn::of(&document)
     });
-    let kinds: Vec<StandKind> = kinds.collect::<Result<_, _>>()?;
-    let mut largest = [0.0f64; 2];
+    let drawn: Vec<Drawn> = drawn.collect::<Result<_, _>>()?;
+    let mut largest = [0.0f64; 3];
     for (k, level) in levels.chain.levels.iter().enumerate() {
         let Some(band) = level.blend.filter(|band| band.begin > 0.0) else {
             continue;
         };
-        let steps = Walk::new(&kinds[0], [&kinds[k], &kinds[k + 1]], band).steps();
-        let [alone, at_once, fading] = steps;
+        let walk = Walk::new(&drawn[0].kind, [&drawn[k].kind, &drawn[k + 1].kind], band);
+        let [alone, at_once, fading] = walk.steps();
+        let morphing = level.morph.as_ref().map(|_| walk.morphing(&drawn[k]));
+        let morphing = morphing.unwrap_or(fading);
         let frames = ((band.end - band.begin) / STEP_M).ceil();
         println!(
-            "{file}, {k} to {}, {:.1}, {:.0}, {frames}, {alone:.3}, {at_once:.3}, {fading:.3}",
+            "{file}, {k} to {}, {:.1}, {:.0}, {frames}, {alone:.3}, {at_once:.3}, {fading:.3}, {morphing:.3}",
             k + 1,
             band.begin,
             band.begin_px
         );
-        largest = [largest[0].max(at_once), largest[1].max(fading)];
+        for (largest, step) in largest.iter_mut().zip([at_once, fading, morphing]) {
+            *largest = largest.max(step);
+        }
     }
     Ok(largest)
 }
@@ -100,6 +141,23 @@ impl<'a> Walk<'a> {
             fading = fading.max(judge.difference(&mixed(frame + 1.0)).difference);
         }
         [alone, at_once, fading]
+    }
+
+    /// The largest step where the first level morphs, that to the next included: at the beginning, in the middle and
+    /// at the end.
+    fn morphing(&self, level: &Drawn) -> f64 {
+        let frames = ((self.band.end - self.band.begin) / STEP_M).ceil().max(1.0);
+        let at = |frame: f64| self.band.begin + frame * STEP_M;
+        let shown = |frame: f64| match frame < frames {
+            true => self.picture(&level.on_its_way(frame / frames), at(frame)),
+            false => self.picture(self.levels[1], at(frame)),
+        };
+        let looked_at = [0.0, 0.5, 1.0].map(|share| (share * (frames - 1.0)).floor());
+        let steps = looked_at.map(|frame| {
+            let judge = JudgedStand::new(shown(frame));
+            judge.difference(&shown(frame + 1.0)).difference
+        });
+        steps.into_iter().fold(0.0, f64::max)
     }
 
     /// A level from so many metres off, in a picture that holds it.

@@ -237,14 +237,16 @@ impl Levels {
         format!("{}_LOD{level}", self.name)
     }
 
-    fn written_levels(&self) -> Vec<Level<'_>> {
+    pub(crate) fn written_levels(&self) -> Vec<Level<'_>> {
         let levels = self.chain.levels.iter().enumerate();
         levels
             .map(|(k, level)| {
                 let facts = level.extras(&self.node(level.shadow));
                 match &level.shape {
                     Shape::Original(lod) | Shape::Mesh(lod) => {
-                        Level::new(&self.name, k, lod, facts).with_textures(&level.textures)
+                        let written = Level::new(&self.name, k, lod, facts);
+                        let written = written.with_textures(&level.textures);
+                        written.with_morph(level.morph.as_ref())
                     }
                     Shape::Impostor(made) => {
                         Level::of_surface(&self.name, k, &made.impostor.surface, facts)

@@ -184,6 +184,7 @@ impl Parted<'_> {
             },
             wood,
             wood_triangles,
+            wood_gone: Vec::new(),
             leaf_gap: most.leaf_gap,
         })
     }
@@ -223,6 +224,7 @@ impl Parted<'_> {
                 leaves: left,
                 wood: Lod::original(0),
                 wood_triangles: 0,
+                wood_gone: Vec::new(),
                 leaf_gap: None,
             });
         }

@@ -1,8 +1,9 @@
 //! The page to look at a plant beside its levels.
 
-use secateur_gltf::chain::LevelTexture;
-use secateur_gltf::{Detail, DrawnSurface, GltfError, LeafSurface};
-use secateur_levels::chain::{ChainLevel, LevelReport, Shape, show, texture_bytes};
+use glam::DVec3;
+use secateur_gltf::chain::{Layout, LevelTexture};
+use secateur_gltf::{Detail, Document, DrawnSurface, GltfError, LeafSurface};
+use secateur_levels::chain::{LevelReport, Shape, show, texture_bytes};
 use secateur_model::{LodModel, RemovalOrder, Surface};
 use secateur_pages::preview::{
     Continuous, Facts, Level as Shown, Packed, Pictures, Preview, PreviewError, packed, page,
@@ -11,8 +12,23 @@ use secateur_runtime::Screen;
 
 use crate::{Error, Level, Levels, Plant};
 
-/// What is drawn of a plant or a level of it: surfaces, each with whether it is foliage.
-type Drawn = Vec<(Surface, bool)>;
+/// What is drawn of a plant or a level of it.
+struct Drawn {
+    /// Each with whether it is foliage.
+    surfaces: Vec<(Surface, bool)>,
+    /// By surface where its vertices are when the next level takes over, where they go on a way there.
+    ends: Option<Vec<Vec<DVec3>>>,
+}
+
+impl From<Vec<(Surface, bool)>> for Drawn {
+    /// What stays as it is.
+    fn from(surfaces: Vec<(Surface, bool)>) -> Self {
+        Self {
+            surfaces,
+            ends: None,
+        }
+    }
+}
 
 impl Levels {
     /// A page to look at the plant and its levels side by side, as a client would draw them; it needs nothing else.
@@ -34,15 +50,21 @@ impl Levels {
     fn previewed<T>(&self, make: impl MakePage<T>) -> Result<T, Error> {
         let items = self.tree().items();
         let mut shown = vec![original(self.plant())?];
-        // The original is there already.
-        let is_lighter =
-            |(_, level): &(usize, &ChainLevel)| !matches!(level.shape, Shape::Original(_));
-        for (k, level) in self.chain.levels.iter().enumerate().filter(is_lighter) {
-            let surfaces = match &level.shape {
-                Shape::Impostor(made) => vec![(made.impostor.surface.clone(), true)],
-                Shape::Original(lod) | Shape::Mesh(lod) => {
+        for (k, level) in self.chain.levels.iter().enumerate() {
+            let surfaces = match (&level.shape, &level.morph) {
+                // The original is there already, but for its way to the next level.
+                (Shape::Original(_), morph) => {
+                    if morph.is_some() {
+                        shown[0].0 = self.going_on(k)?;
+                        shown[0].1.report.blend = level.blend;
+                    }
+                    continue;
+                }
+                (Shape::Impostor(made), _) => vec![(made.impostor.surface.clone(), true)].into(),
+                (Shape::Mesh(_), Some(_)) => self.going_on(k)?,
+                (Shape::Mesh(lod), None) => {
                     let document = items.lod_document(lod)?.with_roles_of(items);
-                    drawn(document.drawn(Detail::Full, &[])?, &level.textures)
+                    drawn(document.drawn(Detail::Full, &[])?, &level.textures).into()
                 }
             };
             let facts = Facts {
@@ -56,6 +78,28 @@ impl Levels {
         let longest = orders.max_by_key(|order| order.len());
         let title = (self.name(), self.screen);
         page_of(self.plant(), title, shown, longest, make)
+    }
+
+    /// A level as it is written, with the way to the next one.
+    fn going_on(&self, level: usize) -> Result<Drawn, GltfError> {
+        let document = self.document_of(level)?;
+        let surfaces = drawn(document.drawn(Detail::Full, &[])?, &[]);
+        let ends = document.at_end_of_morph().drawn(Detail::Full, &[])?;
+        let ends = ends.into_iter().map(|drawn| drawn.surface.positions);
+        Ok(Drawn {
+            ends: Some(ends.collect()),
+            surfaces,
+        })
+    }
+
+    /// A level as a file of its own.
+    fn document_of(&self, level: usize) -> Result<Document, GltfError> {
+        let items = self.tree().items();
+        let levels = self.written_levels();
+        let mut chain = items.chain_to_bytes(self.name(), &levels[level..=level], Layout::Files)?;
+        let file = chain.files.remove(0);
+        let document = Document::from_bytes(&file.name, file.bytes, None)?;
+        Ok(document.with_roles_of(items))
     }
 }
 
@@ -91,7 +135,7 @@ impl Level {
             name: "level".to_owned(),
             report,
         };
-        let shown = vec![original(plant)?, (drawn(surfaces, &[]), facts)];
+        let shown = vec![original(plant)?, (drawn(surfaces, &[]).into(), facts)];
         let order = self.simplified.passes.in_one_order();
         let title = (&*plant.name(), Screen::default());
         page_of(plant, title, shown, Some(order), make)
@@ -105,10 +149,10 @@ fn original(plant: &Plant) -> Result<(Drawn, Facts), GltfError> {
         report: plant.report(),
     };
     let surfaces = drawn(plant.tree().drawn(Detail::Full)?, &[]);
-    Ok((surfaces, facts))
+    Ok((surfaces.into(), facts))
 }
 
-fn drawn(surfaces: Vec<DrawnSurface>, textures: &[LevelTexture]) -> Drawn {
+fn drawn(surfaces: Vec<DrawnSurface>, textures: &[LevelTexture]) -> Vec<(Surface, bool)> {
     let shown = surfaces.into_iter().map(|mut drawn| {
         show(&mut drawn.surface, drawn.material, textures);
         (drawn.surface, drawn.is_foliage)
@@ -130,8 +174,9 @@ fn page_of<T>(
 ) -> Result<T, Error> {
     let levels: Vec<Shown<'_>> = shown
         .iter()
-        .map(|(surfaces, facts)| Shown {
-            surfaces,
+        .map(|(drawn, facts)| Shown {
+            surfaces: &drawn.surfaces,
+            ends: drawn.ends.as_deref(),
             facts: facts.clone(),
         })
         .collect();

@@ -4,6 +4,8 @@
 //! where less than nine tenths are used leaves that went last come back, and what is left gets finer, each leaf
 //! with as many triangles as are over.
 
+use std::ops::Range;
+
 use rustc_hash::FxHashMap;
 use secateur_model::{
     CornerRef, Foliage, Growth, LeafId, Lod, NewCorner, NewLeaf, Place, RemovalOrder, Step,
@@ -77,21 +79,25 @@ struct Filling<'a> {
 }
 
 /// Has the leaves use at least nine tenths of a budget of triangles, if they may become coarser and are not
-/// merged. `removals` is how many steps of the order took leaves that may come back: what follows took those
+/// merged. `removals` are the steps of the order that took leaves which may come back: what follows took those
 /// that hang in the air, which stay away while anything is left. Whether anything was changed.
 pub(crate) fn fill(
     passes: &mut Passes,
     foliage: &Foliage,
     at_most: usize,
-    removals: usize,
+    removals: Range<usize>,
 ) -> bool {
     let at_most = at_most.min(foliage.triangles().len());
     if at_most == 0 || !passes.order.made().is_empty() {
         return false;
     }
-    let steps = passes.order.steps().take(removals);
-    let count: usize = steps.map(|step| step.removed.len()).sum();
+    let removed_by = |steps: usize| -> usize {
+        let steps = passes.order.steps().take(steps);
+        steps.map(|step| step.removed.len()).sum()
+    };
+    let [first, count] = [removals.start, removals.end].map(removed_by);
     let (back_first, hanging) = passes.order.removed().split_at(count);
+    let back_first = &back_first[first.min(count)..];
     let coarse = passes.coarse.as_ref().map_or(foliage, Coarse::foliage);
     let of_hanging = hanging.iter().map(|leaf| coarse.triangles_of(*leaf).len());
     let of_hanging: usize = of_hanging.sum();
@@ -279,7 +285,7 @@ mod tests {
             sizes: None,
         };
         let before = passes.clone();
-        let is_changed = fill(&mut passes, &foliage, at_most, removals);
+        let is_changed = fill(&mut passes, &foliage, at_most, 0..removals);
         assert_eq!(is_changed, passes.lod() != before.lod());
         passes.in_one_order().check(&foliage).unwrap();
         let left = left_by_leaf(&passes, &foliage);

@@ -58,16 +58,17 @@ impl HeldBy {
 
 /// Cuts an order where this many triangles are left, and has leaves go that then hang in the air:
 /// more of the others stay for them, so that as many triangles as asked for are left. Leaves that hang
-/// go last, one a step. The number of steps before these.
+/// go last, one a step. At least the first `least` steps stay. The number of steps before those of hanging leaves.
 pub(crate) fn cut(
     order: &mut RemovalOrder,
     leaves: &Foliage,
     held_by: Option<&HeldBy>,
     triangles_at_most: Option<usize>,
+    least: usize,
 ) -> usize {
     let steps_to = |at_most: Option<usize>| {
         at_most.map_or(order.len(), |at_most| {
-            order.steps_to_triangles(leaves, at_most)
+            order.steps_to_triangles(leaves, at_most).max(least)
         })
     };
     let Some(held_by) = held_by else {
@@ -169,13 +170,13 @@ mod tests {
             order.push(leaf, &[]);
         }
         let mut three = order.clone();
-        assert_eq!(cut(&mut three, &foliage, Some(&wall()), Some(3)), 1);
+        assert_eq!(cut(&mut three, &foliage, Some(&wall()), Some(3), 0), 1);
         assert_eq!(three.removed(), names(&[1, 5, 6]));
         // As many as were asked for, of leaves that hang on something.
         let left = Lod::after(&three, three.len());
         assert!(left.leaves().map(|(leaf, _)| leaf).eq(names(&[2, 3, 4])));
         // Without a bound on triangles the whole order is made.
-        cut(&mut order, &foliage, Some(&wall()), None);
+        cut(&mut order, &foliage, Some(&wall()), None, 0);
         assert_eq!(order.removed(), names(&[1, 2, 3, 4, 5, 6]));
     }
 }

@@ -23,6 +23,7 @@ mod edge_collapses;
 mod effort;
 mod error;
 mod fill;
+mod finer_level;
 pub mod fit;
 pub mod fsa;
 pub mod hanging_leaves;
@@ -55,6 +56,7 @@ pub mod wood;
 
 pub use effort::{Effort, Work};
 pub use error::Error;
+pub use finer_level::FinerLevel;
 pub use memory::{check_run, take_plant};
 pub use method::Method;
 pub use needles::Needle;

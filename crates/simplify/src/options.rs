@@ -11,8 +11,8 @@ use crate::hanging_leaves::HeldBy;
 use crate::select::refuse;
 use crate::vds::ViewPlan;
 use crate::{
-    Alpha, Effort, Error, FieldOfView, Fitting, LeafTriangles, Method, Needles, Preset, Resolution,
-    Sides, Target, Views,
+    Alpha, Effort, Error, FieldOfView, FinerLevel, Fitting, LeafTriangles, Method, Needles, Preset,
+    Resolution, Sides, Target, Views,
 };
 
 /// What a run is to do; [`Options::to`] has the defaults of the command line.
@@ -63,6 +63,10 @@ pub struct Options {
     /// What leaves hang on: those go that would be further from it than it says.
     #[serde(skip)]
     pub held_by: Option<Arc<HeldBy>>,
+    /// The finer level in which this one is to be nested: no leaf is left, and no part of the wood, that is gone there.
+    /// For [`Method::Vds`] to a number of triangles; others do not look at it.
+    #[serde(skip)]
+    pub finer: Option<Arc<FinerLevel>>,
     /// Whether the final foliage is rasterised from scratch another way and
     /// compared.
     pub audit: bool,
@@ -114,6 +118,7 @@ impl Options {
             memory: Memory::Auto,
             occluders: None,
             held_by: None,
+            finer: None,
             audit: cfg!(debug_assertions),
             shows_what_is_left: shows_what_is_left(),
             most_fit_px: most_fit_px(),

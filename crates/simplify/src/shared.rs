@@ -136,6 +136,11 @@ impl Shared {
         known.map(|index| self.found.swap_remove(index))
     }
 
+    /// Forgets the orders: those of later levels begin otherwise.
+    pub fn forget_orders(&mut self) {
+        self.found.clear();
+    }
+
     /// Keeps an order for later runs.
     pub(crate) fn keep(&mut self, found: KeptOrder) {
         self.found.push(found);

@@ -107,6 +107,8 @@ pub struct WholeLevel {
     pub wood: Lod,
     /// Number of triangles that `wood` has.
     pub wood_triangles: usize,
+    /// By part of the wood whether a level that is nested in this one has nothing of it; empty where it may have all.
+    pub wood_gone: Vec<bool>,
     /// How far leaves may be from the wood, or from a lower leaf that rests on it, in world units:
     /// what is further is gone, where triangles were the target. Nothing where no leaf was looked at
     /// for it.
@@ -213,6 +215,11 @@ impl<'a> WholePlant<'a> {
         }
     }
 
+    /// Its leaves as they are.
+    pub fn leaves(&self) -> &Foliage {
+        &self.leaves
+    }
+
     /// Triangles of leaves and wood.
     pub fn triangle_count(&self) -> usize {
         self.leaves.triangles().len() + self.wood.triangles().len()
@@ -269,6 +276,27 @@ impl<'a> WholePlant<'a> {
         observer: &mut Observer<'_>,
     ) -> Result<WholeLevel, Error> {
         let budget = budget.into();
+        match &options.finer {
+            Some(finer) if !finer.wood_gone.is_empty() => {
+                let nested = Self {
+                    levels: self.levels.clone().without(Arc::clone(&finer.wood_gone)),
+                    ..self.clone()
+                };
+                nested.level_of(budget, options, engine, shared, observer)
+            }
+            Some(_) | None => self.level_of(budget, options, engine, shared, observer),
+        }
+    }
+
+    /// [`Self::level`] of wood that is nested already.
+    fn level_of(
+        &self,
+        budget: Budget,
+        options: &Options,
+        engine: &OpenEngine,
+        shared: Option<&mut Shared>,
+        observer: &mut Observer<'_>,
+    ) -> Result<WholeLevel, Error> {
         let triangles = budget.triangles;
         if self.leaves.leaves().is_empty() {
             return self.bare_level(budget, options, engine, shared, observer);
@@ -300,6 +328,7 @@ impl<'a> WholePlant<'a> {
         leaves.warnings.extend(self.warning_of(&wood));
         Ok(WholeLevel {
             leaves,
+            wood_gone: wood.chosen.gone(),
             wood: wood.lod,
             wood_triangles: wood.triangles,
             leaf_gap,
@@ -443,6 +472,7 @@ impl<'a> WholePlant<'a> {
         let (wood, held_by, _) = self.held(plain, &leaves.lod, triangles.into(), 0);
         Ok(WholeLevel {
             leaves,
+            wood_gone: wood.chosen.gone(),
             wood: wood.lod,
             wood_triangles: wood.triangles,
             leaf_gap: held_by.map(|held_by| held_by.largest_gap()),

@@ -91,6 +91,7 @@ pub(crate) fn over_the_plant(title: &str, triangles: &[[DVec3; 3]]) -> Result<Pa
     surface.triangles = (0..count).map(|t| [0, 1, 2].map(|k| 3 * t + k)).collect();
     let level = Level {
         surfaces: &[(surface, false)],
+        ends: None,
         facts: Facts {
             name: "chosen".to_owned(),
             report: LevelReport::default(),

@@ -124,11 +124,13 @@ impl JsTree {
         };
         let mut levels = vec![Level {
             surfaces: &plant,
+            ends: None,
             facts: facts("original"),
         }];
         if !others.is_empty() {
             levels.push(Level {
                 surfaces: &others,
+                ends: None,
                 facts: facts("not the plant"),
             });
         }

@@ -98,12 +98,15 @@ fn page(folder: &str, repository: &str, output: &str) -> Result<()> {
     for file in OF_PAGE {
         script += &read(&page.join(file))?;
     }
-    let wind = read(&repository.join("shaders/wind.glsl"))?;
+    let [wind, morph] = ["wind", "morph"].map(|name| read(&repository.join(format!("shaders/{name}.glsl"))));
+    let (wind, morph) = (wind?, morph?);
     let parts = [
         ("style", read(&page.join("page.css"))?),
         (
             "vertex shader",
-            read(&preview.join("tree.vert"))?.replace("%%wind%%", &wind),
+            read(&preview.join("tree.vert"))?
+                .replace("%%wind%%", &wind)
+                .replace("%%morph%%", &morph),
         ),
         ("fragment shader", read(&preview.join("tree.frag"))?),
         ("heat vertex shader", read(&page.join("heat.vert"))?),

@@ -77,6 +77,10 @@ pub(crate) struct Lods {
     /// out.
     #[arg(long, value_name = "F", value_parser = difference)]
     pub(crate) max_pop: Option<f64>,
+    /// Nest levels: what is gone from one does not come back in a coarser one. And write where each vertex goes on the
+    /// way to the next mesh, as the attribute _MORPH.
+    #[arg(long)]
+    pub(crate) morph: bool,
     /// What triangles, draws, KiB on disk and KiB on the GPU count for where a mesh and an impostor are compared, or
     /// some of these.
     #[arg(long, value_name = "WEIGHTS", default_value_t = CostWeights::default())]

@@ -8,7 +8,7 @@ use super::{Cli, OF_OTHERS, OF_RECORDS, OF_VDS};
 const OF_LABORATORY: [&str; 3] = [OF_VDS, OF_OTHERS, OF_RECORDS];
 
 /// Options that few people need, by their identifiers.
-const SELDOM: [&str; 23] = [
+const SELDOM: [&str; 24] = [
     "keep_going",
     "alpha",
     "sides",
@@ -22,6 +22,7 @@ const SELDOM: [&str; 23] = [
     "fit",
     "shadow_steps",
     "max_pop",
+    "morph",
     "cost",
     "impostor_textures",
     "textures",

@@ -27,6 +27,7 @@ pub(crate) fn options(args: &args::Lods) -> ChainOptions {
         impostor: args.impostor,
         shadow_steps: usize::from(args.shadow_steps),
         max_pop: args.max_pop,
+        morph: args.morph,
         textures: args.textures.unwrap_or_default(),
         cost: args.cost,
         impostor_texture_bytes: args.impostor_textures,

@@ -325,6 +325,7 @@ impl Maker<'_> {
             shadow: 0,
             order: None,
             textures: Vec::new(),
+            morph: None,
         };
         (picture, level)
     }

@@ -82,6 +82,12 @@ impl<'a, 'm> Ladder<'a, 'm> {
         }
     }
 
+    /// From now on levels have only what this one has; anything where there is none.
+    pub(super) fn nest_in(&mut self, finer: Option<&Made>) {
+        self.made.clear();
+        self.maker.nest_in(finer);
+    }
+
     /// The level with the fewest triangles within the limits, or hardly more, at the first of these heights, where it
     /// begins, and about so at the others, where it may have to serve too; and its step. None if no step from `first` on
     /// is. `end_px` is where it is seen last.

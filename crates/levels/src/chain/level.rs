@@ -2,7 +2,7 @@
 
 use std::ops::{Deref, DerefMut};
 
-use secateur_gltf::chain::LevelTexture;
+use secateur_gltf::chain::{LevelTexture, Morph};
 use secateur_model::{Lod, Note, RemovalOrder};
 
 use super::level_report::{ImpostorReport, LevelReport};
@@ -21,6 +21,8 @@ pub struct ChainLevel {
     pub order: Option<RemovalOrder>,
     /// Base colour textures of its own; empty where it has those of the tree.
     pub textures: Vec<LevelTexture>,
+    /// Where its vertices go on the way to the next level, where that was asked for and both are meshes.
+    pub morph: Option<Morph>,
 }
 
 impl Deref for ChainLevel {

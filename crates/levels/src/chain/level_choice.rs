@@ -71,6 +71,9 @@ pub(super) fn asked(
         let of = amounts.len();
         Progress::Level { done, of }.tell(observer)?;
         let triangles = amount.of(maker.all);
+        if maker.options.morph {
+            maker.nest_in(placed.last().map(|finer| &finer.made));
+        }
         let level = maker.level(triangles, observer)?;
         if level.triangles() == 0 {
             return Err(ChainError::NothingLeft {
@@ -201,6 +204,9 @@ pub(super) fn lightest(
         };
         let first = step_of_share(most_of_before, before.map_or(0, |(step, ..)| *step));
         let start = (first, before.is_none());
+        if maker.options.morph {
+            ladder.nest_in(before.map(|(.., before)| &before.made));
+        }
         let at = [&[height], &serves[place][..]].concat();
         let sought = ladder.lightest(&at, end_px, start, observer)?;
         let of_before = before.map_or(maker.all, |(.., before)| before.triangles());

@@ -2,6 +2,7 @@
 
 use std::cell::RefCell;
 use std::ops::RangeInclusive;
+use std::sync::Arc;
 
 use secateur_eval::Original as Measured;
 use secateur_gltf::WholeTree;
@@ -9,7 +10,7 @@ use secateur_gltf::chain::LevelTexture;
 use secateur_model::{Budget as MemoryBudget, Lod, Memory, NamedOption, Note};
 use secateur_raster::OpenEngine;
 use secateur_simplify::whole::{Budget, WholeLevel, WoodMode, simplify_keeping_wood_sharing};
-use secateur_simplify::{Observer, Options, Shared, Target};
+use secateur_simplify::{FinerLevel, Observer, Options, Shared, Target};
 
 use super::error::ChainError;
 use super::level::{ChainLevel, Shape};
@@ -68,6 +69,8 @@ pub(super) struct Maker<'a> {
     leaves: Measured<'a>,
     /// What levels share of the leaves' simplification.
     shared: RefCell<Shared>,
+    /// The level in which the next ones are nested, where the wood stays as it is.
+    finer: RefCell<Option<Arc<FinerLevel>>>,
 }
 
 impl<'a> Maker<'a> {
@@ -109,6 +112,7 @@ impl<'a> Maker<'a> {
             dilated: dilated.collect(),
             all: leaves.triangles().len() + wood.triangles().len(),
             shared: RefCell::new(shared()),
+            finer: RefCell::default(),
             leaf_options: Options {
                 memory: memory.memory(),
                 most_fit_px: match &options.wanted {
@@ -163,6 +167,7 @@ impl<'a> Maker<'a> {
                 let (leaves, wood) = (self.tree.leaves(), self.tree.wood());
                 let options = Options {
                     target: Target::triangles(budget.triangles as u64),
+                    finer: self.finer.borrow().clone(),
                     ..options.clone()
                 };
                 let shared = &mut *self.shared.borrow_mut();
@@ -178,6 +183,20 @@ impl<'a> Maker<'a> {
             }
         };
         self.made(parts)
+    }
+
+    /// From now on levels have only what this one has; anything where there is none. For levels that are to be nested:
+    /// what others share is of no use then.
+    pub(super) fn nest_in(&self, finer: Option<&Made>) {
+        match &self.stands {
+            Some(stands) => stands.nest_in(finer.map(|made| &made.parts[..])),
+            None => {
+                let leaves = self.tree.leaves();
+                let finer = finer.map(|made| FinerLevel::of(&made.parts[0], leaves));
+                self.finer.replace(finer.map(Arc::new));
+                self.shared.borrow_mut().forget_orders();
+            }
+        }
     }
 
     /// Levels of the plants of the file as a level of the whole.
@@ -352,6 +371,7 @@ impl<'a> Maker<'a> {
             shadow: 0,
             order: is_alone.then_some(order),
             textures: chosen.textures,
+            morph: None,
             shape: Shape::Mesh(made.lod),
         };
         Ok((picture, level))
@@ -372,6 +392,7 @@ impl<'a> Maker<'a> {
             shadow: 0,
             order: None,
             textures,
+            morph: None,
             shape: Shape::Original(Lod::original(items.foliage().leaves().len())),
         }
     }

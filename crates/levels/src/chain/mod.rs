@@ -21,6 +21,8 @@ mod level_surfaces;
 mod look;
 mod maker;
 mod memory;
+#[cfg(test)]
+mod nested_tests;
 mod next_step;
 mod opaque_textures;
 mod options;
@@ -37,9 +39,11 @@ mod uncut_leaves;
 
 use secateur_gltf::WholeTree;
 use secateur_gltf::chain::MAX_LEVELS;
+use secateur_model::Lod;
 use secateur_raster::OpenEngine;
 use secateur_simplify::{Observer, Progress, sphere_of};
 
+use crate::morph::morph;
 pub use blend::BlendBand;
 use cards::CardSearch;
 pub use cost::{CostWeights, LevelParts};
@@ -103,6 +107,9 @@ pub fn chain(
         }
         (false, _) => {}
     }
+    if options.morph {
+        set_morphs(tree, &mut levels);
+    }
     let bands = levels.iter().skip(1);
     let bands: Vec<BlendBand> = bands
         .map(|next| BlendBand::before(next.distance, next.pixels_high))
@@ -127,4 +134,18 @@ pub fn chain(
         notes: join_places(notes),
         seconds: clock.seconds(),
     })
+}
+
+/// Says of each mesh before another where its vertices go on the way to that one.
+fn set_morphs(tree: &WholeTree, levels: &mut [ChainLevel]) {
+    let lod_of = |level: &ChainLevel| match &level.shape {
+        Shape::Original(lod) | Shape::Mesh(lod) => Some(lod.clone()),
+        Shape::Impostor(_) => None,
+    };
+    let lods: Vec<Option<Lod>> = levels.iter().map(lod_of).collect();
+    for (level, pair) in levels.iter_mut().zip(lods.windows(2)) {
+        if let [Some(lod), Some(next)] = pair {
+            level.morph = Some(morph(tree, lod, next));
+        }
+    }
 }

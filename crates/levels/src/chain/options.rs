@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 use secateur_eval::Limits;
 use secateur_gltf::chain::MAX_LEVELS;
 use secateur_simplify::whole::WoodMode;
-use secateur_simplify::{Amount, Options, Target};
+use secateur_simplify::{Amount, Method, Options, Target};
 use serde::{Deserialize, Serialize};
 
 use super::cost::CostWeights;
@@ -78,6 +78,9 @@ pub struct ChainOptions {
     /// The largest difference between a level and the next where they switch; a level that would differ more from
     /// the one before it is left out.
     pub max_pop: Option<f64>,
+    /// Whether levels are nested and say how one becomes the next: what is gone from a level is gone from all coarser
+    /// ones, and each mesh before another has the attribute `_MORPH`. Leaves must be chosen by [`Method::Vds`].
+    pub morph: bool,
     /// Which textures leaves have.
     pub textures: Textures,
     /// What the parts of a level count for where the one that costs less is taken.
@@ -119,6 +122,7 @@ impl Default for ChainOptions {
             impostor: None,
             shadow_steps: 1,
             max_pop: None,
+            morph: false,
             textures: Textures::Fit,
             cost: CostWeights::default(),
             impostor_texture_bytes: None,
@@ -223,6 +227,9 @@ impl ChainOptions {
             }
             _ if !self.max_pop.is_none_or(is_difference) => {
                 out_of_range("the difference that a switch may show must be above 0 and at most 2")
+            }
+            _ if self.morph && !matches!(self.leaves.method, Method::Vds(_)) => {
+                out_of_range("nested levels are made by the method vds")
             }
             _ if !self.cost.are_in_range() => {
                 out_of_range("the weights of a cost must be 0 or more, and not all 0")

@@ -1,13 +1,14 @@
 //! The plants of a file, each made lighter by itself: one of several is as light as it would be alone.
 
 use std::cell::RefCell;
+use std::sync::Arc;
 
 use secateur_eval::DifferenceJudge;
 use secateur_gltf::WholeTree;
 use secateur_model::{Foliage, LeafId, Lod};
 use secateur_raster::OpenEngine;
 use secateur_simplify::whole::{Budget, WholeLevel, WholePlant};
-use secateur_simplify::{Error, Observer, Options, Shared};
+use secateur_simplify::{Error, FinerLevel, Observer, Options, Shared};
 
 /// A plant of a file.
 struct Stand<'a> {
@@ -16,6 +17,8 @@ struct Stand<'a> {
     names: Option<[Vec<LeafId>; 2]>,
     /// What its levels share.
     shared: RefCell<Shared>,
+    /// The level in which the next ones are nested.
+    finer: RefCell<Option<Arc<FinerLevel>>>,
 }
 
 /// The plants of a file.
@@ -55,6 +58,7 @@ impl<'a> Stands<'a> {
                         plant: WholePlant::within(&items, leaves, wood, options, engine)?,
                         names: Some(names),
                         shared: RefCell::new(shared()),
+                        finer: RefCell::default(),
                     })
                 };
                 apart.into_iter().map(stand).collect::<Result<_, Error>>()?
@@ -66,6 +70,7 @@ impl<'a> Stands<'a> {
                     plant: WholePlant::within(items, leaves, wood, options, engine)?,
                     names: None,
                     shared: RefCell::new(shared()),
+                    finer: RefCell::default(),
                 }]
             }
         };
@@ -96,6 +101,10 @@ impl<'a> Stands<'a> {
                 triangles: until - given,
                 ..budget
             };
+            let options = &Options {
+                finer: stand.finer.borrow().clone(),
+                ..options.clone()
+            };
             let level = stand
                 .plant
                 .level(own, options, engine, Some(shared), observer)?;
@@ -103,6 +112,15 @@ impl<'a> Stands<'a> {
             levels.push(level);
         }
         Ok(levels)
+    }
+
+    /// From now on levels are nested in these of each plant; in none where there is nothing.
+    pub(super) fn nest_in(&self, levels: Option<&[WholeLevel]>) {
+        for (k, stand) in self.stands.iter().enumerate() {
+            let finer = levels.map(|levels| FinerLevel::of(&levels[k], stand.plant.leaves()));
+            stand.finer.replace(finer.map(Arc::new));
+            stand.shared.borrow_mut().forget_orders();
+        }
     }
 
     /// The leaves, and the wood, of levels of each plant as those of the whole file.

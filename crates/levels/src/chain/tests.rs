@@ -60,6 +60,7 @@ pub(super) fn options(distances: &[f64]) -> ChainOptions {
         impostor: Some(Choice::Auto),
         shadow_steps: 0,
         max_pop: None,
+        morph: false,
         textures: Textures::Fit,
         cost: "draw=0,disk-kib=0,gpu-kib=0".parse().unwrap(),
         impostor_texture_bytes: None,

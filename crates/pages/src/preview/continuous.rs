@@ -148,6 +148,7 @@ fn arrays(of: &LeafSurface, parts: &[(u32, Part)]) -> Arrays {
         first += part.vertices.len() as u32;
     }
     Arrays {
+        ends: None,
         positions: vertices().map(|v| DVec3::from(v.position)).collect(),
         normals: of_every(of.surface.normals.len())
             .then(|| vertices().flat_map(|v| v.normal).collect()),

@@ -33,6 +33,9 @@ pub(super) struct Packed {
     colors: Option<usize>,
     /// By vertex the words of what it hangs on.
     holds: Option<usize>,
+    /// Where vertices are when the next level takes over, as `positions`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    ends: Option<usize>,
 }
 
 /// What a surface's vertices have: all lists of every vertex, integers as they are stored.
@@ -44,14 +47,15 @@ pub(super) struct Arrays {
     /// Four a vertex.
     pub(super) colors: Option<Vec<u16>>,
     pub(super) holds: Option<Vec<Hold>>,
+    pub(super) ends: Option<Vec<DVec3>>,
     pub(super) triangles: Vec<[u32; 3]>,
 }
 
-/// Appends a surface to the bytes.
+/// Appends a surface to the bytes; `ends` is where its vertices go. `is_foliage` and `material` say what it is.
 pub(super) fn pack(
     surface: &Surface,
-    is_foliage: bool,
-    material: usize,
+    ends: Option<&[DVec3]>,
+    (is_foliage, material): (bool, usize),
     bytes: &mut Vec<u8>,
 ) -> Packed {
     let of_every_vertex = |count: usize| count == surface.positions.len();
@@ -69,6 +73,9 @@ pub(super) fn pack(
         }),
         holds: (of_every_vertex(surface.holds.len()) && !surface.holds.is_empty())
             .then(|| surface.holds.clone()),
+        ends: ends
+            .filter(|ends| of_every_vertex(ends.len()))
+            .map(<[DVec3]>::to_vec),
         triangles: surface.triangles.clone(),
     };
     pack_arrays(&arrays, is_foliage, material, bytes)
@@ -81,7 +88,7 @@ pub(super) fn pack_arrays(
     material: usize,
     bytes: &mut Vec<u8>,
 ) -> Packed {
-    let (low, high) = bounds(&arrays.positions);
+    let (low, high) = bounds(arrays.positions.iter().chain(arrays.ends.iter().flatten()));
     let extent = high - low;
     let step = extent / f64::from(u16::MAX);
     let steps = |p: DVec3| {
@@ -91,7 +98,9 @@ pub(super) fn pack_arrays(
         });
         [x, y, z, 0]
     };
-    let positions: Vec<u16> = arrays.positions.iter().flat_map(|&p| steps(p)).collect();
+    let in_steps = |of: &[DVec3]| -> Vec<u16> { of.iter().flat_map(|&p| steps(p)).collect() };
+    let positions = in_steps(&arrays.positions);
+    let ends = arrays.ends.as_ref().map(|ends| in_steps(ends));
     let normals = arrays.normals.as_ref();
     let colors = arrays.colors.as_ref();
     Packed {
@@ -110,6 +119,7 @@ pub(super) fn pack_arrays(
             let words: Vec<u32> = holds.iter().flat_map(hold_words).collect();
             push_words(bytes, &words, HOLD_WORDS)
         }),
+        ends: ends.map(|ends| push_differences(bytes, &ends, POSITION_STRIDE)),
     }
 }
 
@@ -227,7 +237,7 @@ mod tests {
             }),
         };
         let mut bytes = vec![9];
-        let packed = pack(&surface, true, 3, &mut bytes);
+        let packed = pack(&surface, None, (true, 3), &mut bytes);
         assert_eq!((packed.vertices, packed.triangles), (2, 1));
         assert_eq!(packed.origin, [1.0, 5.0, -1.0]);
         assert_eq!(packed.normals, None);

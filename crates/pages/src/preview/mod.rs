@@ -12,6 +12,7 @@ mod geometry;
 mod page;
 mod textures;
 
+use glam::DVec3;
 use secateur_model::Surface;
 
 use secateur_levels::chain::LevelReport;
@@ -45,6 +46,8 @@ pub struct Preview<'a> {
 pub struct Level<'a> {
     /// All that is drawn, each with whether it is foliage; the rest is wood.
     pub surfaces: &'a [(Surface, bool)],
+    /// By surface where its vertices are when the next level takes over; nothing where they stay.
+    pub ends: Option<&'a [Vec<DVec3>]>,
     /// What the page says of it.
     pub facts: Facts,
 }

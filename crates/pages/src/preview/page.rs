@@ -119,9 +119,11 @@ pub fn packed(preview: &Preview<'_>, pictures: Pictures) -> Result<Packed, Previ
     let mut levels = Vec::new();
     for level in preview.levels {
         let mut surfaces = Vec::new();
-        for (surface, is_foliage) in level.surfaces {
+        for (k, (surface, is_foliage)) in level.surfaces.iter().enumerate() {
             let material = material(&surface.material, &mut materials, &mut textures)?;
-            surfaces.push(geometry::pack(surface, *is_foliage, material, &mut bytes));
+            let ends = level.ends.and_then(|ends| ends.get(k)).map(Vec::as_slice);
+            let place = (*is_foliage, material);
+            surfaces.push(geometry::pack(surface, ends, place, &mut bytes));
         }
         levels.push(PackedLevel {
             facts: &level.facts,
@@ -208,11 +210,12 @@ pub(crate) fn filled(template: &str, part: impl Fn(&str) -> String) -> String {
     html
 }
 
-/// The vertex shader, which sways by the functions that are handed out for that.
+/// The vertex shader, which sways and morphs by the functions that are handed out for that.
 pub(crate) fn vertex_shader() -> String {
     filled(include_str!("page/tree.vert"), |mark| match mark {
+        "morph" => secateur_shaders::MORPH_GLSL.to_owned(),
         "wind" => secateur_shaders::WIND_GLSL.to_owned(),
-        _ => unreachable!("the shader has no other mark than this: {mark}"),
+        _ => unreachable!("the shader has no other mark than these: {mark}"),
     })
 }
 
@@ -291,6 +294,7 @@ mod tests {
         let surfaces = [triangle()];
         let levels = [Level {
             surfaces: &surfaces,
+            ends: None,
             facts: facts("</script><b>%%script%%"),
         }];
         let html = page_of("<oak> & %%scene%%", &levels).unwrap();
@@ -305,6 +309,7 @@ mod tests {
         let surfaces = [triangle()];
         let levels = [0, 1].map(|k| Level {
             surfaces: &surfaces,
+            ends: None,
             facts: facts(&format!("LOD{k}")),
         });
         let html = page_of("oak", &levels).unwrap();
@@ -320,6 +325,7 @@ mod tests {
         surfaces[0].0.triangles.clear();
         let levels = [Level {
             surfaces: &surfaces,
+            ends: None,
             facts: facts("LOD0"),
         }];
         assert_eq!(page_of("oak", &levels), Err(PreviewError::NothingToShow));

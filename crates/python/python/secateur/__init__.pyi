@@ -101,6 +101,8 @@ class _LevelsOptions(_CommonOptions, total=False):
     """The largest difference of a level where it begins to be seen: .18 cannot be told, .28 is good, .50 coarse."""
     max_pop: float
     """The largest difference that a switch may show."""
+    morph: bool
+    """Nests levels, and writes where each vertex goes on the way to the next mesh."""
     impostor: Literal["none", "crossed", "cards", "octahedral", "auto"]
     impostor_textures: str
     """What textures of all impostors together may take on the GPU, such as ``4M``."""

@@ -25,17 +25,34 @@ const LOSS_OF_GONE: f64 = 1.5;
 /// Where it is known how much views show of each leaf, those that are hidden count for none: they are as coarse as they
 /// can be, and others keep what they leave.
 pub fn share_triangles(foliage: &Foliage, at_most: usize, curves: &LossCurves) -> Vec<usize> {
-    let least = |leaf| curves.hull(leaf)[0].triangles;
-    let first = |leaf| match curves.may_go(leaf) {
-        true => 0,
-        false => least(leaf),
-    };
-    let shares: Vec<usize> = leaves_of(foliage).map(first).collect();
+    let all = leaves_of(foliage);
+    share_among(foliage, all.collect(), at_most, curves)
+}
+
+/// As [`share_triangles`], among some of the leaves; the others may keep all of theirs, which do not count.
+pub(crate) fn share_among(
+    foliage: &Foliage,
+    leaves: Vec<LeafId>,
+    at_most: usize,
+    curves: &LossCurves,
+) -> Vec<usize> {
+    let fewest = |leaf| curves.hull(leaf)[0].triangles;
+    let all = leaves_of(foliage);
+    let mut shares: Vec<usize> = all.map(|leaf| foliage.triangles_of(leaf).len()).collect();
+    let mut least = 0;
+    for &leaf in &leaves {
+        shares[leaf.index()] = match curves.may_go(leaf) {
+            true => 0,
+            false => fewest(leaf),
+        };
+        least += shares[leaf.index()];
+    }
     let mut sharing = Sharing {
         foliage,
         curves,
-        instances: instances(foliage, curves),
-        over: at_most.saturating_sub(shares.iter().sum()),
+        instances: instances(&leaves, curves),
+        leaves,
+        over: at_most.saturating_sub(least),
         shares,
     };
     sharing.along_hulls();
@@ -44,22 +61,25 @@ pub fn share_triangles(foliage: &Foliage, at_most: usize, curves: &LossCurves) -
     }
     sharing.off_hulls();
     let shares = leaves_of(foliage).zip(sharing.shares);
-    shares.map(|(leaf, share)| share.max(least(leaf))).collect()
+    shares
+        .map(|(leaf, share)| share.max(fewest(leaf)))
+        .collect()
 }
 
 fn leaves_of(foliage: &Foliage) -> impl Iterator<Item = LeafId> + use<> {
     (0..foliage.leaves().len()).map(LeafId::from_index)
 }
 
-/// Leaves that are instances of one mesh, by the first of them.
-fn instances(foliage: &Foliage, curves: &LossCurves) -> BTreeMap<LeafId, Vec<LeafId>> {
+/// Leaves that are instances of one mesh, by the first of these.
+fn instances(leaves: &[LeafId], curves: &LossCurves) -> BTreeMap<LeafId, Vec<LeafId>> {
     let mut instances: BTreeMap<LeafId, Vec<LeafId>> = BTreeMap::new();
-    for leaf in leaves_of(foliage) {
-        if let Some(first) = curves.first_of_shape(leaf) {
-            instances.entry(first).or_default().push(leaf);
+    for leaf in leaves {
+        if let Some(first) = curves.first_of_shape(*leaf) {
+            instances.entry(first).or_default().push(*leaf);
         }
     }
-    instances
+    let by_first = instances.into_values().map(|alike| (alike[0], alike));
+    by_first.collect()
 }
 
 /// Triangles that a leaf, and all instances of its mesh, may get more.
@@ -75,6 +95,8 @@ struct More {
 struct Sharing<'a> {
     foliage: &'a Foliage,
     curves: &'a LossCurves,
+    /// Those that share the budget.
+    leaves: Vec<LeafId>,
     instances: BTreeMap<LeafId, Vec<LeafId>>,
     /// For each leaf, how many triangles it has so far.
     shares: Vec<usize>,
@@ -91,7 +113,7 @@ impl Sharing<'_> {
     fn wanted(&self) -> Vec<More> {
         let curves = self.curves;
         let mut more: Vec<More> = Vec::new();
-        for leaf in leaves_of(self.foliage) {
+        for &leaf in &self.leaves {
             let weight = match (self.is_alone(leaf), self.instances.get(&leaf)) {
                 (true, _) => curves.weight(self.foliage, leaf),
                 (false, Some(alike)) => {
@@ -158,8 +180,8 @@ impl Sharing<'_> {
 
     /// The rest goes to points off the hull, largest leaves first.
     fn off_hulls(&mut self) {
-        let alone = leaves_of(self.foliage).filter(|leaf| self.is_alone(*leaf));
-        let mut by_area: Vec<LeafId> = alone.collect();
+        let alone = self.leaves.iter().filter(|leaf| self.is_alone(**leaf));
+        let mut by_area: Vec<LeafId> = alone.copied().collect();
         by_area.sort_by(|a, b| {
             let area = |leaf: &LeafId| self.foliage.leaf(*leaf).area();
             area(b).total_cmp(&area(a))

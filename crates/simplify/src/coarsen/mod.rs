@@ -26,6 +26,7 @@ mod pass;
 mod sheets;
 mod triangle;
 
+pub(crate) use budget::share_among;
 pub use budget::share_triangles;
 pub use loss_curve::{LossCurves, LossPoint};
 

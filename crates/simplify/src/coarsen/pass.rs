@@ -1,13 +1,14 @@
 //! How coarse leaves may become, as options and target ask for it.
 
-use secateur_model::Foliage;
+use secateur_model::{Foliage, LeafId};
 
-use super::{LossCurves, share_triangles};
-use crate::{Error, LeafTriangles, Target};
+use super::{LossCurves, share_among, share_triangles};
+use crate::{Error, FinerLevel, LeafTriangles, Target};
 
 impl LeafTriangles {
     /// How many triangles each leaf may keep for a target in numbers; none if they stay as they
-    /// are. `curves` are those of the leaves, once they are known; `find` finds them.
+    /// are. `curves` are those of the leaves, once they are known; `find` finds them. Leaves that are gone at a finer
+    /// level keep theirs, which do not count.
     ///
     /// # Errors
     /// Those of `find`.
@@ -15,17 +16,27 @@ impl LeafTriangles {
         self,
         foliage: &Foliage,
         target: Target,
+        finer: Option<&FinerLevel>,
         curves: &mut Option<LossCurves>,
         find: impl FnOnce() -> Result<LossCurves, Error>,
     ) -> Result<Option<Vec<usize>>, Error> {
+        let left = finer.map(FinerLevel::left);
+        let count = |leaf: &LeafId| foliage.triangles_of(*leaf).len();
+        let there = match &left {
+            Some(left) => left.iter().map(count).sum(),
+            None => foliage.triangles().len(),
+        };
         Ok(match (self, target.triangle_count(foliage)) {
             (Self::AtMost(most), _) => Some(vec![most as usize; foliage.leaves().len()]),
-            (Self::Auto, Some(at_most)) if at_most < foliage.triangles().len() => {
+            (Self::Auto, Some(at_most)) if at_most < there => {
                 let found = match curves.take() {
                     Some(known) => known,
                     None => find()?,
                 };
-                let shares = share_triangles(foliage, at_most, &found);
+                let shares = match left {
+                    Some(left) => share_among(foliage, left, at_most, &found),
+                    None => share_triangles(foliage, at_most, &found),
+                };
                 *curves = Some(found);
                 Some(shares)
             }

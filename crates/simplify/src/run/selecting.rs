@@ -142,8 +142,8 @@ impl PassContext<'_> {
         target: Target,
         curves: &mut Option<LossCurves>,
     ) -> Result<Option<Vec<usize>>, Error> {
-        let limit = self.options.leaf_triangles;
-        limit.shares(self.foliage, target, curves, || {
+        let (limit, finer) = (self.options.leaf_triangles, self.options.finer.as_deref());
+        limit.shares(self.foliage, target, finer, curves, || {
             let curves = LossCurves::of(self.foliage);
             // Cards lose little as triangles, and hide little: counted as seen `ez_bush2` has levels of 1,446, 1,326
             // and 534 triangles at 1,080, 135 and 32 pixels, of their areas 1,385, 1,140 and 449.
@@ -169,10 +169,15 @@ impl PassContext<'_> {
             Target::MaxErrorPercent(_) if coarse.is_some() => Target::leaves(0),
             target => target,
         };
+        let foliage = coarse.map_or(self.foliage, Coarse::foliage);
+        let nested = match (known, &self.options.finer) {
+            (None, Some(finer)) => finer.begun(foliage),
+            (Some(_), _) | (None, None) => None,
+        };
         let task = Task {
-            foliage: coarse.map_or(self.foliage, Coarse::foliage),
+            foliage,
             target,
-            begun: known.map(|known| &known.begun),
+            begun: known.map(|known| &known.begun).or(nested.as_ref()),
             skeleton: self.options.skeleton.as_deref(),
             views: &self.views,
             resolution: self.resolution,
@@ -198,7 +203,12 @@ impl PassContext<'_> {
         let ordered = passes.coarse.as_ref().map_or(self.foliage, Coarse::foliage);
         let held_by = self.options.held_by.as_deref();
         let found = passes.order.len();
-        let chosen = cut(&mut passes.order, ordered, held_by, at_most);
+        let gone = self
+            .options
+            .finer
+            .as_ref()
+            .map_or(0, |finer| finer.gone_count());
+        let chosen = cut(&mut passes.order, ordered, held_by, at_most, gone);
         if self.options.widens_needles() {
             passes.widen_needles(self.foliage, held_by);
         }
@@ -208,7 +218,7 @@ impl PassContext<'_> {
             && passes.needles.is_empty();
         let is_filled = match (at_most, self.options.leaf_triangles) {
             (Some(at_most), LeafTriangles::Auto) => {
-                fill(&mut passes, self.foliage, at_most, chosen)
+                fill(&mut passes, self.foliage, at_most, gone..chosen)
             }
             _ => false,
         };

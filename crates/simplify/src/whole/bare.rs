@@ -29,7 +29,11 @@ impl WholePlant<'_> {
         let lod = match (budget.sharing, &self.crowned) {
             (Sharing::Evenly, _) => self.levels.evenly(&self.wood, budget.triangles),
             (_, Some(crowned)) => {
-                let (lod, level) = crowned.level(budget, options, engine, shared, observer)?;
+                let alone = Options {
+                    finer: None,
+                    ..options.clone()
+                };
+                let (lod, level) = crowned.level(budget, &alone, engine, shared, observer)?;
                 let warnings = level.leaves.warnings.into_iter();
                 let of_wood = |warning: &Warning| matches!(warning, Warning::SupportsGone { .. });
                 leaves.warnings.extend(warnings.filter(of_wood));
@@ -48,6 +52,7 @@ impl WholePlant<'_> {
         };
         Ok(WholeLevel {
             leaves,
+            wood_gone: Vec::new(),
             wood_triangles: lod.foliage(&self.wood).triangles().len(),
             wood: lod,
             leaf_gap: None,

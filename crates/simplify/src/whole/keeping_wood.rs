@@ -62,6 +62,7 @@ pub fn simplify_keeping_wood_sharing(
         leaves: simplify_sharing(engine, leaves, &options, shared, observer)?,
         wood: Lod::original(wood.leaves().len()),
         wood_triangles: least,
+        wood_gone: Vec::new(),
         leaf_gap: None,
     })
 }

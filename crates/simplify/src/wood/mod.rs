@@ -32,6 +32,8 @@ mod thickness;
 mod welded;
 mod widening;
 
+use std::sync::Arc;
+
 use rustc_hash::FxHashMap;
 use secateur_model::{Foliage, LeafId, Lod, NewCorner, NewLeaf};
 use secateur_raster::ViewSet;
@@ -43,6 +45,7 @@ pub use gaps::{hanging_on, leaf_gaps, leaf_wood_gaps, wood_gaps};
 pub use holds::{FoundHolds, found_holds};
 use levels::{Level, collapsed, collapsed_to, joints, last_levels, levels};
 use loss::Judges;
+pub use nearest::{Nearest, nearest};
 pub use parts::Parts;
 pub use spend::WoodBudget;
 use standing::{Carrier, carriers};
@@ -61,11 +64,20 @@ pub struct Wood {
     /// What carries the crown to the ground, what carries most first.
     carriers: Vec<Carrier>,
     leaf_gap: f64,
+    /// Parts that no level has any more; empty where all may be left.
+    gone: Arc<[bool]>,
 }
 
 /// The level of each part that is left: 0 for the part as it is, else one more than an index of its levels.
 #[derive(Clone, Debug)]
 pub struct Chosen(Vec<Option<usize>>);
+
+impl Chosen {
+    /// By part whether nothing of it is left.
+    pub fn gone(&self) -> Vec<bool> {
+        self.0.iter().map(Option::is_none).collect()
+    }
+}
 
 #[derive(Clone, Debug)]
 struct Piece {
@@ -126,6 +138,7 @@ impl Wood {
             makes_up: false,
             carriers: Vec::new(),
             leaf_gap: f64::INFINITY,
+            gone: Arc::new([]),
         }
     }
 
@@ -159,6 +172,16 @@ impl Wood {
         self
     }
 
+    /// The wood without these parts at any level; `gone` says so by part, and is empty where none is.
+    pub fn without(mut self, gone: Arc<[bool]>) -> Self {
+        self.gone = gone;
+        self
+    }
+
+    fn is_gone(&self, part: usize) -> bool {
+        self.gone.get(part).is_some_and(|gone| *gone)
+    }
+
     /// The largest distance of a leaf from the wood, in world units; infinite where no leaves are known.
     pub fn leaf_gap(&self) -> f64 {
         self.leaf_gap
@@ -188,7 +211,7 @@ impl Wood {
 
     /// The levels of [`Self::bearing`].
     pub fn chosen(&self, hanging_px: &[f64], budget: WoodBudget) -> Chosen {
-        if budget.triangles >= self.triangle_count() {
+        if budget.triangles >= self.triangle_count() && !self.gone.contains(&true) {
             return Chosen(vec![Some(0); self.pieces.len()]);
         }
         Chosen(self.choose(hanging_px, budget, 0.0))
@@ -213,7 +236,9 @@ impl Wood {
         let lost_px = |part: &usize| self.pieces[*part].lost_px(chosen[*part]);
         let can_grow = |part: &usize| {
             let support = self.pieces[*part].support;
-            chosen[*part] != Some(0) && support.is_none_or(|support| chosen[support].is_some())
+            chosen[*part] != Some(0)
+                && !self.is_gone(*part)
+                && support.is_none_or(|support| chosen[support].is_some())
         };
         let mut parts: Vec<usize> = (0..chosen.len()).filter(can_grow).collect();
         parts.sort_by(|a, b| lost_px(b).total_cmp(&lost_px(a)).then(a.cmp(b)));

@@ -4,15 +4,16 @@ use glam::DVec3;
 
 /// A point of a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Nearest {
-    pub(super) point: DVec3,
+pub struct Nearest {
+    /// Where it is.
+    pub point: DVec3,
     /// How much of each corner it is; they add up to 1.
-    pub(super) weights: [f64; 3],
+    pub weights: [f64; 3],
 }
 
 /// By the region of the triangle's plane in which the point lies (Ericson, Real-Time Collision
 /// Detection, 5.1.5).
-pub(super) fn nearest([a, b, c]: [DVec3; 3], p: DVec3) -> Nearest {
+pub fn nearest([a, b, c]: [DVec3; 3], p: DVec3) -> Nearest {
     let of = |v: f64, w: f64| Nearest {
         point: a + (b - a) * v + (c - a) * w,
         weights: [1.0 - v - w, v, w],

@@ -174,10 +174,8 @@ impl Spending<'_> {
         let wood = self.wood;
         for carrier in &wood.carriers {
             let piece = &wood.pieces[carrier.piece];
-            if piece
-                .support
-                .is_some_and(|support| self.chosen[support].is_none())
-            {
+            let is_off = |support: usize| self.chosen[support].is_none();
+            if wood.is_gone(carrier.piece) || piece.support.is_some_and(is_off) {
                 continue;
             }
             let last = (1..=piece.levels.len()).filter(|level| piece.is_last_form(*level));
@@ -243,6 +241,9 @@ impl Spending<'_> {
     /// The finer level of a piece that saves the most pixels a triangle, where what it grows on is
     /// fine enough or not yet there.
     fn best(&self, index: usize) -> Option<(usize, Worth)> {
+        if self.wood.is_gone(index) {
+            return None;
+        }
         let piece = &self.wood.pieces[index];
         let now = self.chosen[index];
         let finer = 0..now.unwrap_or(piece.levels.len() + 1);

@@ -30,6 +30,7 @@ pub(super) fn as_it_came(
     let root = document.root_as_it_came();
     let is_the_input = *lod == Lod::original(tree.foliage.leaves().len())
         && level.textures.is_empty()
+        && level.morph.is_none()
         && tree.others.is_empty()
         && tree.levels_inside.nodes.is_empty()
         && document.cost().draws == tree.parts.len() as u64;

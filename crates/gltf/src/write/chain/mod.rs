@@ -11,6 +11,7 @@ mod layout;
 mod materials;
 mod merged;
 mod mesh_levels;
+mod morph;
 mod names;
 mod node_trees;
 mod on_disk;
@@ -31,6 +32,7 @@ use serde_json::{Map, Value};
 pub(super) use deduplicate::forget_unused;
 pub use layout::{Layout, UnknownLayout};
 pub(super) use merged::{LevelPrimitive, merged};
+pub use morph::{MORPH, Morph};
 pub use on_disk::{PreparedChain, WrittenChain};
 pub(super) use vertices::Baker;
 
@@ -89,6 +91,9 @@ pub struct Level<'a> {
     pub facts: Map<String, Value>,
     /// What its materials show instead of the tree's base colour textures; all else of them stays.
     pub textures: &'a [LevelTexture],
+    /// Where its vertices go on the way to the next level: the attribute [`MORPH`]. A level of copied nodes, or with
+    /// bones, is written without.
+    pub morph: Option<&'a Morph>,
 }
 
 impl<'a> Level<'a> {
@@ -101,6 +106,7 @@ impl<'a> Level<'a> {
             number,
             facts,
             textures: &[],
+            morph: None,
         }
     }
 
@@ -117,12 +123,18 @@ impl<'a> Level<'a> {
             number,
             facts,
             textures: &[],
+            morph: None,
         }
     }
 
     /// With base colour textures of its own.
     pub fn with_textures(self, textures: &'a [LevelTexture]) -> Self {
         Self { textures, ..self }
+    }
+
+    /// With what its vertices do on the way to the next level.
+    pub fn with_morph(self, morph: Option<&'a Morph>) -> Self {
+        Self { morph, ..self }
     }
 
     fn screen_coverage(&self) -> Option<f64> {
@@ -317,11 +329,17 @@ fn content(
         left_out.extend(others::leave_out(&mut draft, tree));
     }
     let mut nodes = match plan::one_mesh(tree) {
-        Ok(plan) => one_mesh::build(&mut draft, tree, levels, &plan, with_others)?,
+        Ok(plan) => {
+            if plan.skin.is_some() {
+                note_without_morph(&mut draft, levels);
+            }
+            one_mesh::build(&mut draft, tree, levels, &plan, with_others)?
+        }
         Err(obstacle) => {
             draft.notes.push(format!(
                 "the levels keep the node tree of the file instead of one mesh each: {obstacle}"
             ));
+            note_without_morph(&mut draft, levels);
             node_trees::build(&mut draft, tree, levels)?
         }
     };
@@ -344,6 +362,14 @@ fn content(
     let mut content = finished(draft, &before, 0)?;
     content.notes = without_repeats(content.notes);
     Ok(content)
+}
+
+/// Says that levels do not tell how one becomes the next, where they were to.
+fn note_without_morph(draft: &mut Draft, levels: &[Level]) {
+    if levels.iter().any(|level| level.morph.is_some()) {
+        let note = format!("the levels have no {MORPH}: it is for one mesh without bones");
+        draft.notes.push(note);
+    }
 }
 
 /// Drops meshes that were drawn in the file and are not any more.

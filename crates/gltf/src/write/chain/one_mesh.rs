@@ -17,7 +17,7 @@ use super::placement::placement;
 use super::plan::OneMesh;
 use super::scene::{LevelNodes, children, holds_any, scene_roots};
 use super::vertices::Baker;
-use super::{Level, LevelContent, mesh_levels, others};
+use super::{Level, LevelContent, mesh_levels, morph, others};
 use crate::accessor::{Component, Shape};
 use crate::error::Fault;
 use crate::parts::Part;
@@ -110,7 +110,7 @@ impl Meshes<'_> {
     ) -> Result<Option<Value>, Fault> {
         let mut primitives = Vec::new();
         for number in 0..self.tree.parts.len() {
-            primitives.extend(self.primitive(draft, edits, number)?);
+            primitives.extend(self.primitive(draft, level, edits, number)?);
         }
         let primitives = merged(draft, primitives)?;
         Ok(mesh_json(level, self.plan, primitives))
@@ -120,6 +120,7 @@ impl Meshes<'_> {
     fn primitive(
         &mut self,
         draft: &mut Draft,
+        level: &Level,
         edits: &LeafEdits,
         number: usize,
     ) -> Result<Option<LevelPrimitive>, Fault> {
@@ -146,6 +147,12 @@ impl Meshes<'_> {
         }
         let place = document.primitive_place(part.mesh, part.primitive);
         self.baker.bake(draft, &mut primitive, matrix, &place)?;
+        if let (Some(going), LevelContent::Tree(lod), None) =
+            (level.morph, level.content, self.plan.skin)
+        {
+            let places = morph::places(self.tree, (lod, edits), number, going)?;
+            morph::add(draft, &mut primitive, &places, self.pivot, matrix)?;
+        }
         Ok(Some(LevelPrimitive {
             json: primitive,
             is_foliage: part.role == roles::Role::Leaf,

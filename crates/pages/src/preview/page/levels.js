@@ -5,9 +5,10 @@ class Chain {
     const [screenHeight, degrees] = scene.screen;
     const size = scene.high.map((x, k) => Math.max(x - scene.low[k], 1e-9));
     // Null is what is not known of a level, and what the original would say of itself.
-    this.facts = scene.levels.map(({ facts }) => ({
+    this.facts = scene.levels.map(({ facts, surfaces }) => ({
       ...facts,
       leaves: facts.leaves || null,
+      morphs: surfaces.some((surface) => surface.ends !== undefined),
       ...(facts.kind === "original" && { difference: null, silhouette_iou: null }),
     }));
     this.screenHeight = screenHeight;
@@ -36,6 +37,16 @@ class Chain {
     // A switch distance that a slider stands on counts as reached.
     this.facts.forEach((f, k) => { if (f.distance <= distance * 1.000001) level = k; });
     return level;
+  }
+
+  // What is shown at this distance: a level, and the share of its way to the next that it has gone, where it says how
+  // it becomes that one. Then it is shown up to the end of its band.
+  shownAt(distance) {
+    const level = this.levelAt(distance);
+    const before = this.facts[level - 1];
+    if (!before?.morphs || !before.blend || distance >= before.blend.end) return { level, share: 0 };
+    const { begin, end } = before.blend;
+    return { level: level - 1, share: clamp((distance - begin) / (end - begin), 0, 1) };
   }
 
   // Where a distance lies between the nearest and the farthest, 0 to 1, and back.

@@ -16,6 +16,8 @@ const levels = chain.facts.length;
 const state = {
   distance: 0,
   level: 0,
+  // Of the way to the next level.
+  share: 0,
   isAutomatic: true,
   // Of the removal order, where its slider chooses the leaves; else null.
   steps: null,
@@ -81,7 +83,7 @@ const draw = () => {
   const high = chain.pixelsHigh(state.distance);
   const wind = state.isWindy ? state.windSeconds : null;
   boxes().forEach(({ large, small }, k) => {
-    const level = k === 0 ? { level: 0, steps: null } : { level: state.level, steps: state.steps };
+    const level = k === 0 ? { level: 0, steps: null } : { level: state.level, steps: state.steps, share: state.share };
     const trueSize = (box) => chain.trueSize(orbit, state.distance, box.height);
     const camera = state.isTrueSize ? trueSize(large) : chain.closeUp(orbit, large.width / large.height);
     picture(level, camera, large, state.show, wind);
@@ -190,6 +192,7 @@ const sayLeaves = () => {
 const goToSteps = (steps) => {
   if (!renderer?.order) return;
   state.steps = clamp(Math.round(steps), 0, renderer.order.steps);
+  state.share = 0;
   const leaves = renderer.order.leaves[state.steps];
   state.level = Math.max(chain.facts.findLastIndex((f) => f.leaves !== null && f.leaves >= leaves), 0);
   state.isAutomatic = false;
@@ -201,12 +204,13 @@ const goTo = (distance) => {
   state.steps = null;
   state.distance = clamp(distance, chain.nearest, chain.farthest);
   state.isAutomatic = true;
-  state.level = chain.levelAt(state.distance);
+  Object.assign(state, chain.shownAt(state.distance));
   say();
 };
 const choose = (level) => {
   state.steps = null;
   state.level = clamp(level, 0, levels - 1);
+  state.share = 0;
   state.isAutomatic = false;
   state.isWalking = false;
   say();
@@ -224,7 +228,7 @@ const walk = (step) => {
 // Automatic again.
 const follow = () => {
   state.isAutomatic = !state.isAutomatic;
-  if (state.isAutomatic) Object.assign(state, { steps: null, level: chain.levelAt(state.distance) });
+  if (state.isAutomatic) Object.assign(state, { steps: null, ...chain.shownAt(state.distance) });
   say();
 };
 const flip = (of, key) => () => {
@@ -334,11 +338,12 @@ const tell = (text) => {
 
 // A picture of one level alone, as PNG, or of the removal order after some steps with that level's
 // wood: for who compares renderers. The camera is { eye, target, tangent (of half the field of view),
-// near, far }; the wind has blown for some seconds, or blows not at all.
-const pictureOf = (level, camera, width, height, steps = null, windSeconds = null) => {
+// near, far }; the wind has blown for some seconds, or blows not at all; the level has gone a share of the way to
+// the next.
+const pictureOf = (level, camera, width, height, steps = null, windSeconds = null, share = 0) => {
   Object.assign(canvas, { width, height });
   const show = { leaves: true, wood: true, wire: false };
-  picture({ level, steps }, camera, { x: 0, y: 0, width, height }, show, windSeconds);
+  picture({ level, steps, share }, camera, { x: 0, y: 0, width, height }, show, windSeconds);
   const url = canvas.toDataURL("image/png");
   draw();
   return url;

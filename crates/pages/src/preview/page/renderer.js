@@ -59,6 +59,7 @@ class Renderer {
     this.background = [BACKGROUND, BACKGROUND];
     // What wind.js makes, or null where none blows.
     this.wind = null;
+    this.share = 0;
     // Textures of a removal order must be there in any case.
     this.noOrder = [this.words(new Uint32Array(4), 4), this.words(new Uint32Array(2), 2)];
   }
@@ -194,6 +195,7 @@ class Renderer {
       gl.enableVertexAttribArray(4);
       gl.vertexAttribIPointer(4, 1, gl.UNSIGNED_INT, 0, 0);
     }
+    attribute(8, arrays.ends, 3, gl.UNSIGNED_SHORT, false, 8);
     if (arrays.holds) bindHolds(gl, arrays.holds);
     const triangles = gl.createBuffer();
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, triangles);
@@ -223,12 +225,14 @@ class Renderer {
     return this.scene.levels.some((level) => level.surfaces.some((surface) => surface.holds !== null));
   }
 
-  // Draws one level, { level, steps } as meshes() has it, into a box of the canvas, in its pixels from
+  // Draws one level, { level, steps } as meshes() has it, with the share of the way to the next level that it has
+  // gone, into a box of the canvas, in its pixels from
   // the lower left, in a wind where one is given. Of the box only its part is drawn, where it has one; what
   // is drawn over something else keeps that.
   draw(level, camera, box, show, wind = null) {
     const { gl, at } = this;
     this.wind = wind;
+    this.share = level.share ?? 0;
     // First of all: what is unpacked for them binds textures and buffers.
     const meshes = this.meshes(level).filter((mesh) => (mesh.is_foliage ? show.leaves : show.wood) && mesh.triangles > 0);
     if (!box.isOver) this.clear(box);
@@ -302,6 +306,7 @@ class Renderer {
     const { gl } = this;
     const meshes = this.level(level);
     this.wind = null;
+    this.share = 0;
     this.pixel ??= onePixel(gl);
     gl.bindFramebuffer(gl.FRAMEBUFFER, this.pixel);
     gl.disable(gl.SCISSOR_TEST);
@@ -328,6 +333,7 @@ class Renderer {
     gl.uniform3fv(at.u_step, mesh.step);
     gl.uniform1i(at.u_has_sizes, mesh.steps !== undefined);
     gl.uniform1ui(at.u_steps, mesh.steps ?? 0);
+    gl.uniform1f(at.u_share, mesh.ends === undefined ? 0 : this.share);
     const sways = this.wind !== null && mesh.holds !== null;
     gl.uniform1i(at.u_sways, sways);
     // Wood does not turn about itself.

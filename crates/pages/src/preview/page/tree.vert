@@ -9,6 +9,8 @@ layout(location = 4) in uint a_leaf;
 layout(location = 5) in vec3 a_pivot;
 layout(location = 6) in float a_along;
 layout(location = 7) in uint a_segment;
+// Where it is when the next level takes over.
+layout(location = 8) in vec3 a_end;
 
 uniform mat4 u_clip_from_world;
 uniform vec3 u_origin;
@@ -18,6 +20,8 @@ uniform bool u_has_sizes;
 uniform uint u_steps;
 // Whether the wind blows, and vertices say what they hang on.
 uniform bool u_sways;
+// How far it is on the way there, 0 to 1.
+uniform float u_share;
 // Two texels a leaf: where its sizes begin and end, its centre.
 uniform highp usampler2D u_leaves;
 // From which step on, and the bits of the linear scale.
@@ -54,9 +58,10 @@ float scale_of(uint leaf) {
   return uintBitsToFloat(texelFetch(u_sizes, texel(low - 1u), 0).y);
 }
 
+%%morph%%
 %%wind%%
 void main() {
-  v_world = u_origin + u_step * a_steps;
+  v_world = u_origin + u_step * morphed(a_steps, a_end, u_share);
   if (u_has_sizes) {
     vec3 centre = uintBitsToFloat(texelFetch(u_leaves, texel(2u * a_leaf + 1u), 0).xyz);
     v_world = centre + (v_world - centre) * scale_of(a_leaf);

@@ -32,6 +32,7 @@ const unpackSurface = (surface, buffer) => {
     uvs: surface.uvs === null ? null : new Float32Array(buffer, surface.uvs, surface.vertices * 2),
     colors: words(surface.colors, 4),
     holds: surface.holds === null ? null : addUp(new Uint32Array(buffer, surface.holds, surface.vertices * 5), 5),
+    ends: surface.ends === undefined ? null : words(surface.ends, 4),
     indices: addUp(new Uint32Array(buffer, surface.indices, surface.triangles * 3), 1),
   };
 };
