@@ -61,7 +61,7 @@ pub fn joined_strips(strips: &[Vec<u32>]) -> Vec<u32> {
 fn open_edges(strip: &[u32]) -> Vec<Edge> {
     match *strip {
         [a, b, c] => vec![[b, a], [c, b], [a, c]],
-        [.., a, b] if strip.len() % 2 == 0 => vec![[a, b]],
+        [.., a, b] if strip.len().is_multiple_of(2) => vec![[a, b]],
         [.., a, b] => vec![[b, a]],
         [] | [_] => Vec::new(),
     }
@@ -156,7 +156,7 @@ mod tests {
             let shuffled: Vec<[u32; 3]> = (0..128).map(|k| grid[k * step % 128]).collect();
             assert_same(&shuffled);
             // A coarse level is a beginning of the fine one.
-            let [coarse, fine] = [&shuffled[..40], &shuffled].map(|t| strips(t));
+            let [coarse, fine] = [&shuffled[..40], &shuffled].map(strips);
             let begins = |(a, b): (&Vec<u32>, &Vec<u32>)| a.len() == 3 || b.starts_with(a);
             assert!(coarse.iter().zip(&fine).all(begins), "{step}");
         }

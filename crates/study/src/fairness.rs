@@ -147,7 +147,8 @@ mod tests {
             "meshopt meshopt-mode clusters dilate-borders",
         ];
         assert_eq!(labels[..expected.len()], expected);
-        let has_changes = cases().iter().map(|case| case.material_change().is_some());
+        let cases = cases();
+        let has_changes = cases.iter().map(|case| case.material_change().is_some());
         let has_changes: Vec<bool> = has_changes.collect();
         assert_eq!(has_changes, [false, false, true, true].repeat(5));
     }

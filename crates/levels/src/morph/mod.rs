@@ -39,8 +39,11 @@ impl Form<'_> {
     }
 }
 
-/// The leaves and pieces of wood of a level, of which it has originals, and made ones in their order.
-fn forms<'a>(items: &'a Foliage, lod: &Lod) -> (Vec<(LeafId, Form<'a>)>, Vec<(LeafId, Form<'a>)>) {
+/// The original item that a form is of, and the form.
+type FormOf<'a> = (LeafId, Form<'a>);
+
+/// The leaves and pieces of wood of a level: originals, and made ones in their order.
+fn forms<'a>(items: &'a Foliage, lod: &Lod) -> [Vec<FormOf<'a>>; 2] {
     let originals = lod.leaves().map(|(leaf, area_scale)| {
         let form = Form {
             triangles: Cow::Borrowed(items.triangles_of(leaf)),
@@ -58,7 +61,7 @@ fn forms<'a>(items: &'a Foliage, lod: &Lod) -> (Vec<(LeafId, Form<'a>)>, Vec<(Le
         };
         (made.donor, form)
     });
-    (originals.collect(), made.collect())
+    [originals.collect(), made.collect()]
 }
 
 /// What a level becomes.
@@ -75,7 +78,7 @@ impl<'a> Next<'a> {
     fn of(items: &'a Foliage, lod: &Lod, first_of_wood: usize) -> Self {
         let mut by_item: Vec<Vec<Form<'a>>> = Vec::new();
         by_item.resize_with(items.leaves().len(), Vec::new);
-        let (originals, made) = forms(items, lod);
+        let [originals, made] = forms(items, lod);
         for (item, form) in originals.into_iter().chain(made) {
             by_item[item.index()].push(form);
         }
@@ -114,8 +117,8 @@ impl<'a> Next<'a> {
 pub(crate) fn morph(tree: &WholeTree, lod: &Lod, next: &Lod) -> Morph {
     let items = tree.items().foliage();
     let next = Next::of(items, next, tree.leaves().leaves().len());
-    let (left, made) = forms(items, lod);
-    let places = |(item, form): &(LeafId, Form<'_>)| next.places(*item, form);
+    let [left, made] = forms(items, lod);
+    let places = |(item, form): &FormOf<'_>| next.places(*item, form);
     let mut originals = vec![Vec::new(); items.leaves().len()];
     let of_left: Vec<Vec<[DVec3; 3]>> = left.par_iter().map(places).collect();
     for ((item, _), places) in left.iter().zip(of_left) {

@@ -56,7 +56,7 @@ fn made(donor: usize, triangles: &[LeafTriangle]) -> NewLeaf {
 
 fn places(items: &Foliage, first_of_wood: usize, level: &Lod, next: &Lod) -> Vec<Vec<[DVec3; 3]>> {
     let next = Next::of(items, next, first_of_wood);
-    let (left, made) = forms(items, level);
+    let [left, made] = forms(items, level);
     let all = left.iter().chain(&made);
     all.map(|(item, form)| next.places(*item, form)).collect()
 }
@@ -107,8 +107,8 @@ fn a_card_goes_to_where_a_coarser_one_shows_the_same() {
     assert!(first[1].distance(DVec3::new(0.0, -1.0, 0.0)) < 1e-12);
     // Of the line from (.5, 0) to (0, 1) in the texture (.3, .4) is nearest to (1, 1); it is found in world space.
     assert!((2.0 * (first[2].x + 1.0) + (first[2].y + 1.0) - 2.0).abs() < 1e-12);
-    let form = &forms(&items, &Lod::original(1)).0[0].1;
-    let (_, of_next) = forms(&items, &next);
+    let form = &forms(&items, &Lod::original(1))[0][0].1;
+    let [_, of_next] = forms(&items, &next);
     let of_next: Vec<Form<'_>> = of_next.into_iter().map(|(_, form)| form).collect();
     let clear = moved_along_texture(form, &of_next, true);
     assert!(clear[0][1].distance(DVec3::new(1.0, -1.0, 0.0)) < 1e-12);
@@ -125,7 +125,7 @@ fn a_tube_becomes_a_prism() {
     next.remove(id(0));
     next.make(made(0, &prism));
     let found = &places(&items, 0, &Lod::original(1), &next)[0];
-    let of_next = forms(&items, &next).1;
+    let [_, of_next] = forms(&items, &next);
     let surface = Surface::of(of_next.iter().map(|(_, form)| form));
     let corners: Vec<DVec3> = found.iter().flatten().copied().collect();
     for corner in &corners {
