@@ -32,7 +32,8 @@ const OPTIONS: [&str; 24] = [
 pub(crate) fn as_options(label: &str) -> String {
     let words = label.split(' ').enumerate().map(|(place, word)| {
         let name = word.split('=').next().unwrap_or(word);
-        match place > 0 && OPTIONS.contains(&name) {
+        // `fit` alone is a value, of cutoffs: sizes are fitted by `fit=coverage`.
+        match place > 0 && word != "fit" && OPTIONS.contains(&name) {
             true => format!("--{word}"),
             false => word.to_owned(),
         }

@@ -135,7 +135,7 @@ const show = async () => {
     renderer.use(modelOf({ textures, materials, levels: [], continuous: null }, null, bitmaps));
     renderer.levels[0] = [];
     const { low, high, reach } = reader.head;
-    chain = new Chain({ screen: [1080, 60], low, high, reach, levels: [{ facts: { distance: 0 } }] });
+    chain = new Chain({ screen: [1080, 60], low, high, reach, levels: [{ facts: { distance: 0 }, surfaces: [] }] });
   }
   renderer.levels[0].forEach((mesh) => mesh.free());
   const surfaces = reader.arrays().map(meshOf);
