@@ -98,7 +98,8 @@ fn page(folder: &str, repository: &str, output: &str) -> Result<()> {
     for file in OF_PAGE {
         script += &read(&page.join(file))?;
     }
-    let [wind, morph] = ["wind", "morph"].map(|name| read(&repository.join(format!("shaders/{name}.glsl"))));
+    let [wind, morph] =
+        ["wind", "morph"].map(|name| read(&repository.join(format!("shaders/{name}.glsl"))));
     let (wind, morph) = (wind?, morph?);
     let parts = [
         ("style", read(&page.join("page.css"))?),
