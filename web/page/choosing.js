@@ -67,7 +67,7 @@ const chooseInLoop = async (corners) => {
   else if ($("error").hidden) tell("Of nothing does the most lie in the loop: draw it wider.");
 };
 
-// Most triangles first, so many are listed of a part's pieces.
+// A part's pieces are listed by their triangles, the most first: at most this many.
 const MOST_LISTED = 1000;
 
 // The list of pieces is filled when it is opened.

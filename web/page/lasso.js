@@ -1,7 +1,8 @@
 // A loop that is drawn over the plant, with a mouse, a pen or a finger.
 
-// Corners of a loop are at least so far apart, in pixels of the page, and there are at least so many.
+// Corners of a loop are at least this far apart, in pixels of the page.
 const LEAST_STEP = 3;
+// A loop of fewer corners is a click.
 const LEAST_CORNERS = 6;
 
 class Lasso {

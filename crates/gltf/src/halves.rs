@@ -211,7 +211,7 @@ pub(crate) fn runs_of(numbers: impl Iterator<Item = u32>) -> Vec<[u32; 2]> {
     runs
 }
 
-/// Whether each of so many pieces is named by one of these selectors.
+/// For each piece of a primitive of `count` pieces, whether one of these selectors names it.
 fn named_pieces(selectors: &[&Selector], count: usize) -> Result<Vec<bool>, Problem> {
     let mut is_named = vec![false; count];
     for selector in selectors {
@@ -224,7 +224,7 @@ fn named_pieces(selectors: &[&Selector], count: usize) -> Result<Vec<bool>, Prob
     Ok(is_named)
 }
 
-/// What is said of pieces where the primitive has only so many.
+/// The problem of a selector that names pieces beyond the `count` that its primitive has.
 fn matches_nothing(selector: &Selector, count: usize) -> Problem {
     let known = match (selector, count.checked_sub(1)) {
         (

@@ -15,7 +15,7 @@ use super::property;
 /// three levels are up to .03 apart.
 const SAME_BOX: f64 = 0.05;
 
-/// A level has at most this share of the triangles of the next finer one. That tree's levels have .53 and .35.
+/// A level has at most this share of the triangles of the next finer one. Levels of that tree have .38 and .35.
 const FEWER: f64 = 0.8;
 
 /// A level is a whole plant, so it has several materials: two layers of leaves on one crown have one.
@@ -24,7 +24,9 @@ const FEWEST_MATERIALS: usize = 2;
 /// What a node and all below it draw.
 struct Drawn {
     node: usize,
+    /// The lowest corner of its box, in world space.
     min: DVec3,
+    /// The highest one.
     max: DVec3,
     triangles: u64,
     materials: BTreeSet<Option<u64>>,

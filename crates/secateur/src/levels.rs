@@ -35,7 +35,7 @@ pub struct Levels {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct PlacedLevel {
-    /// Where it is.
+    /// The file or node that holds the level.
     #[serde(flatten)]
     pub place: LevelPlace,
     /// Where the level is that casts its shadow.

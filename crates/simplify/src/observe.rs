@@ -39,7 +39,7 @@ pub fn observe(
     draw(&left, &Lod::original(left.leaves().len()))
 }
 
-/// How many pixels views of so many pixels a side show of each leaf, in all of them together.
+/// For each leaf the pixels that show it, summed over all views; `resolution` is the width and height of a view.
 ///
 /// # Errors
 /// As [`observe`].

@@ -16,11 +16,11 @@ pub(crate) struct Camera {
     target: DVec3,
     /// The tangent of half the field of view up.
     tangent: f64,
-    /// Width over height.
+    /// The picture's width over its height.
     aspect: f64,
     /// Nothing nearer is seen, in metres.
     near: f64,
-    /// Height in pixels.
+    /// The picture's height, in pixels.
     height_px: f64,
 }
 

@@ -280,7 +280,7 @@ impl Tree {
         Ok(prepared)
     }
 
-    /// The same triangles, written otherwise.
+    /// This content with its triangles written in another way, such as strips.
     fn rewritten(
         &self,
         content: Content,

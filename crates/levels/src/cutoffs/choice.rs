@@ -19,7 +19,7 @@ pub enum CutoffChoice {
     Fit,
     /// As fit, but all textures are read with mip maps.
     FitWithMips,
-    /// Those of the tree, raised only where single triangles would show specks.
+    /// Cutoffs stay as the tree has them, raised only where single triangles would show specks.
     Keep,
 }
 

@@ -95,7 +95,7 @@ struct More {
 struct Sharing<'a> {
     foliage: &'a Foliage,
     curves: &'a LossCurves,
-    /// Those that share the budget.
+    /// Leaves that share the budget; others keep all of theirs.
     leaves: Vec<LeafId>,
     instances: BTreeMap<LeafId, Vec<LeafId>>,
     /// For each leaf, how many triangles it has so far.

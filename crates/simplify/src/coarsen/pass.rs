@@ -11,7 +11,7 @@ impl LeafTriangles {
     /// level keep theirs, which do not count.
     ///
     /// # Errors
-    /// Those of `find`.
+    /// Errors of `find`.
     pub(crate) fn shares(
         self,
         foliage: &Foliage,

@@ -5,7 +5,7 @@ use glam::DVec3;
 /// A point of a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Nearest {
-    /// Where it is.
+    /// The nearest place on the triangle, in world space.
     pub point: DVec3,
     /// How much of each corner it is; they add up to 1.
     pub weights: [f64; 3],

@@ -18,7 +18,7 @@ use crate::error::{At, Fault};
 use crate::tree::Tree;
 use secateur_model::Lod;
 
-/// The attribute's name.
+/// The vertex attribute that says where a vertex is when the next level takes over.
 pub const MORPH: &str = "_MORPH";
 
 /// Where the corners of a level are at the end of the way to the next level, in world space.
