@@ -91,7 +91,7 @@ impl Maker<'_> {
     }
 
     /// Cards from the first of some of these heights on at which some are within the difference, there and at all that
-    /// follow, save a third of the cost of the mesh there and cost no more than the lightest; and fewer of them from
+    /// follow, save a third of the cost of the mesh there, have no more triangles than it, and cost no more than the lightest; and fewer of them from
     /// each that follows where that saves a third again. Their normals have half as many texels a side where these do
     /// as well. Where the plant is far, they have no more triangles than it covers pixels, if no mesh that begins there has
     /// more.
@@ -120,7 +120,9 @@ impl Maker<'_> {
                     lightest.min(MOST_OF_BEFORE * there)
                 }
             };
-            let mut most_triangles = self.triangles_for(most_cost);
+            let beside = drawn_at(placed, *height).map(|mesh| &mesh.made);
+            let of_mesh = self.triangles_beside(beside) as f64;
+            let mut most_triangles = self.triangles_for(most_cost).min(of_mesh);
             if *height <= FAR_PX {
                 let covered = self.look.covered_px(*height);
                 let of_mesh = placed.iter().find(|mesh| mesh.begins() == *height);

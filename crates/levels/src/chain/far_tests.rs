@@ -1,5 +1,11 @@
 //! Levels of few pixels: what stands there, and what it costs.
 
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+use glam::DVec3;
+use secateur_gltf::{Detail, Document, surfaces_to_glb};
+use secateur_model::{AlphaMode, Surface};
 use secateur_plant::{GrowOptions, Species};
 use secateur_raster::OpenEngine;
 
@@ -130,4 +136,41 @@ fn usual_heights_end_where_a_plant_is_a_block() {
     assert_eq!(usual(1080.0), HEIGHTS_PX);
     assert_eq!(usual(16.0), [16.0, 8.0]);
     assert_eq!(usual(480.0).last(), Some(&(32.0 * 480.0 / 1080.0)));
+}
+
+/// A log of 16 triangles in four draws, which twenty triangles with a picture in one draw would cost less than.
+#[test]
+fn no_impostor_has_more_triangles_than_the_plant() {
+    let oak = grown(Species::Oak, 1);
+    let bark = oak.items().drawn(Detail::Color).unwrap().swap_remove(0);
+    let side = |k: usize| {
+        let color = [0.4 + 0.1 * k as f32, 0.3, 0.2, 1.0];
+        let mut side = Surface::empty(Arc::clone(&bark.surface.material));
+        let material = Arc::make_mut(&mut side.material);
+        (material.base_color, material.texture) = (color, None);
+        (material.alpha_mode, material.double_sided) = (AlphaMode::Opaque, true);
+        let corner = |turn: usize, x: f64| {
+            let angle = TAU * turn as f64 / 8.0;
+            DVec3::new(x, 0.2 + 0.2 * angle.sin(), 0.2 * angle.cos())
+        };
+        for turn in [2 * k, 2 * k + 1] {
+            let first = side.positions.len() as u32;
+            let corners = [(turn, 0.0), (turn, 1.0), (turn + 1, 0.0), (turn + 1, 1.0)];
+            let corners = corners.map(|(turn, x)| corner(turn, x));
+            side.positions.extend(corners);
+            let quad = [[0, 1, 2], [2, 1, 3]];
+            side.triangles.extend(quad.map(|t| t.map(|c| c + first)));
+        }
+        (side, false)
+    };
+    let glb = surfaces_to_glb("log", &[0, 1, 2, 3].map(side));
+    let document = Document::from_bytes("log.glb", glb, None).unwrap();
+    let tree = document.into_whole_tree(&[]).unwrap();
+    let options = ChainOptions {
+        max_difference: 0.28,
+        ..far_options()
+    };
+    let made = chain(&tree, &options, &OpenEngine::cpu(), &mut go_on).unwrap();
+    let triangles = made.levels.iter().map(|level| level.triangles);
+    assert_eq!(triangles.max(), Some(16));
 }

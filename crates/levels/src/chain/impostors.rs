@@ -179,82 +179,96 @@ impl Maker<'_> {
             return Ok(None);
         }
         poll(observer)?;
-        let of_mesh = self.difference_beside_impostor(mesh.map(|mesh| &mesh.made), height);
-        let original = &self.look.original.surfaces;
-        let baked_px = self.look.of_height(height);
-        let found = match choice {
-            Choice::Octahedral => Impostor::octahedral(original, baked_px),
-            Choice::None | Choice::Crossed | Choice::Cards | Choice::Auto => {
-                let figure = |made: &Impostor| seen.difference(made).difference;
-                best_crossed(original, baked_px, figure).map(|(made, _)| made)
-            }
-        };
-        let Some(impostor) = found else {
+        let range = [height, end_of(height, None)];
+        let Some(impostor) = self.baked(&seen, range, client) else {
             return Ok(None);
         };
-        let range = [height, end_of(height, None)];
-        let impostor = match choice {
-            Choice::Auto => Covering::new(client, range).of(impostor),
-            Choice::None | Choice::Crossed | Choice::Octahedral | Choice::Cards => impostor,
-        };
         let difference = seen.difference(&impostor);
-        let of_planes = difference.difference;
         let triangles = impostor.surface.triangles.len();
-        let is_lighter = self.cost_of_impostor(&impostor) < self.cost_beside(mesh);
-        let is_near = difference.over(self.look.limits_of_impostors) <= 1.0;
+        let is_light = triangles <= mesh_triangles
+            && self.cost_of_impostor(&impostor) < self.cost_beside(mesh);
+        let does = is_light && difference.over(self.look.limits_of_impostors) <= 1.0;
         let mut same_cost = None;
         if triangles < mesh_triangles
-            && (is_near && is_lighter || choice != Choice::Auto)
+            && (does || choice != Choice::Auto)
             && let Some(equal) = self.level_if_any(triangles, observer)?
         {
             let of_equal = self.difference_beside_impostor(Some(&equal), height);
             same_cost = Some((equal.triangles() as u64, of_equal));
         }
-        if let Some((triangles, of_equal)) = same_cost
-            && choice == Choice::Auto
-            && of_equal < of_planes
-        {
-            let note = format!(
-                "no impostor at {place}: crossed planes have a difference of {of_planes:.3} there, a mesh of as many triangles ({triangles}) {of_equal:.3}"
-            );
-            notes.push(note.into());
-            return Ok(None);
-        }
-        if choice == Choice::Auto && !(is_lighter && is_near) {
-            notes.push(no_impostor(place, of_planes, mesh_triangles, of_mesh));
-            return Ok(None);
-        }
-        if choice == Choice::Auto && impostor.texture_bytes() > most_bytes {
-            let note = Note::from(format!(
-                "no impostor at {place}: crossed planes take {} KiB of textures on the GPU there, more than ",
-                impostor.texture_bytes() >> 10
-            ));
-            let note = note.naming(NamedOption::ImpostorTextures);
-            notes.push(note.then(" lets them"));
-            return Ok(None);
-        }
-        if choice == Choice::Auto {
-            let shown = client.as_drawn(from_ref(&impostor.surface), range);
-            let covers = shown.begin.coverage_over_truth;
-            if !COVERS.contains(&covers) {
-                let note = format!(
-                    "no impostor at {place}: a client would show {covers:.2} times what there is of the plant"
-                );
-                notes.push(note.into());
-                return Ok(None);
-            }
-        }
         let level = ImpostorLevel {
             impostor,
             mesh_triangles: mesh_triangles as u64,
-            mesh_difference: of_mesh,
+            mesh_difference: self.difference_beside_impostor(mesh.map(|mesh| &mesh.made), height),
             same_cost,
         };
+        if choice == Choice::Auto {
+            let of_planes = difference.difference;
+            let refused = match does {
+                true => self.refused(&level, of_planes, (place, range), (most_bytes, client)),
+                false => {
+                    let of_mesh = level.mesh_difference;
+                    Some(no_impostor(place, of_planes, mesh_triangles, of_mesh))
+                }
+            };
+            if let Some(note) = refused {
+                notes.push(note);
+                return Ok(None);
+            }
+        }
         Ok(Some(PlacedImpostor {
             level,
             begins_px: height,
             difference,
         }))
+    }
+
+    /// Crossed planes or octahedral views for a range of heights on the screen in pixels.
+    fn baked(&self, seen: &Seen<'_>, range: [f64; 2], client: &Client<'_>) -> Option<Impostor> {
+        let original = &self.look.original.surfaces;
+        let baked_px = self.look.of_height(range[0]);
+        let crossed = || {
+            let figure = |made: &Impostor| seen.difference(made).difference;
+            best_crossed(original, baked_px, figure).map(|(made, _)| made)
+        };
+        match self.options.chosen_impostor() {
+            Choice::Octahedral => Impostor::octahedral(original, baked_px),
+            Choice::Auto => crossed().map(|made| Covering::new(client, range).of(made)),
+            Choice::None | Choice::Crossed | Choice::Cards => crossed(),
+        }
+    }
+
+    /// Why crossed planes that are light and near enough do not stand at a place, if nobody asked for them.
+    fn refused(
+        &self,
+        level: &ImpostorLevel,
+        of_planes: f64,
+        (place, range): (&str, [f64; 2]),
+        (most_bytes, client): (u64, &Client<'_>),
+    ) -> Option<Note> {
+        let impostor = &level.impostor;
+        if let Some((triangles, of_equal)) = level.same_cost
+            && of_equal < of_planes
+        {
+            let note = format!(
+                "no impostor at {place}: crossed planes have a difference of {of_planes:.3} there, a mesh of as many triangles ({triangles}) {of_equal:.3}"
+            );
+            return Some(note.into());
+        }
+        if impostor.texture_bytes() > most_bytes {
+            let note = Note::from(format!(
+                "no impostor at {place}: crossed planes take {} KiB of textures on the GPU there, more than ",
+                impostor.texture_bytes() >> 10
+            ));
+            let note = note.naming(NamedOption::ImpostorTextures);
+            return Some(note.then(" lets them"));
+        }
+        let shown = client.as_drawn(from_ref(&impostor.surface), range);
+        let covers = shown.begin.coverage_over_truth;
+        let note = format!(
+            "no impostor at {place}: a client would show {covers:.2} times what there is of the plant"
+        );
+        (!COVERS.contains(&covers)).then(|| note.into())
     }
 
     /// From few views the difference of the fewest crossed planes, if they are so far from the plant there that more of
