@@ -92,6 +92,13 @@ struct Decoded {
 }
 
 impl Document {
+    /// What a reader of a result may wonder about, where any primitive was compressed.
+    pub(crate) fn note_of_draco(&self) -> Option<String> {
+        self.undecoded.as_ref()?;
+        let note = "Draco compression is read and not written: levels stay small only if they are compressed by meshopt";
+        Some(note.to_owned())
+    }
+
     /// Decodes all primitives that are compressed, but those that have all bytes without, too.
     pub(crate) fn decode_draco(&mut self) -> Result<(), Fault> {
         let compressed = self.compressed_primitives()?;

@@ -308,8 +308,11 @@ fn draco_is_written_decoded() {
         let tree: Tree = draco(stream).tree();
         let mut lod = Lod::original(2);
         lod.remove(LeafId::from_index(0));
+        let notes = &tree.inspection().notes;
+        assert!(notes[0].starts_with("Draco compression"), "{notes:?}");
         let glb = tree.lod_to_bytes(&lod).unwrap();
         let level = Document::from_bytes("level.glb", glb, None).unwrap();
+        assert!(level.inspect(&[]).notes.is_empty());
         let root = level.json();
         assert!(!root.to_string().contains("draco"), "{root}");
         let views = root["bufferViews"].as_array().unwrap();
