@@ -134,7 +134,7 @@ fn scores(rows: &mut Rows, case: &str, original: &Tree, simplified: &Tree) {
     }
 }
 
-/// The same leaves taken away by rules and by what the views show.
+/// Leaves taken away by rules, and as many by what the views show.
 fn methods(rows: &mut Rows, species: Species, leaves: u32) {
     let (tree, _) = read_back(skeleton(species, leaves), species);
     let skeleton = tree.skeleton().expect("a sound skeleton").map(Arc::new);

@@ -78,7 +78,7 @@ impl Bench {
         self.run(&[&files[..], options].concat())
     }
 
-    /// Those of the trees that a part is asked for of, and that are there.
+    /// Of the trees that a part is asked for of, names and files of those that are there.
     fn trees<'a>(&self, part: &str, names: &[&'a str]) -> Vec<(&'a str, PathBuf)> {
         let is_wanted = |name: &&&str| self.wanted.has(&format!("{part}, {name}"));
         let found = |name: &&'a str| Some((*name, shared_tree(&format!("{name}.glb"))?));

@@ -21,7 +21,7 @@ shaders! {
     FRAGMENTS_SCAN = "fragments_scan.wgsl";
     /// Puts each pixel's list in order, each leaf once.
     FRAGMENTS_SORT = "fragments_sort.wgsl";
-    /// The same for lists that are too long for one invocation.
+    /// Sorts lists that are too long for one invocation.
     FRAGMENTS_SORT_LONG = "fragments_sort_long.wgsl";
     /// Leaf-ID images to areas.
     HISTOGRAM = "histogram.wgsl";

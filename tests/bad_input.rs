@@ -11,7 +11,7 @@ pub(crate) fn refused(bench: &Bench, run: impl FnOnce() -> Ran, parts: &[&str]) 
     refused_with(1, bench, run, parts);
 }
 
-/// The same with another exit code.
+/// Refuses a run, as [`refused`] does, with another exit code.
 #[track_caller]
 pub(crate) fn refused_with(code: i32, bench: &Bench, run: impl FnOnce() -> Ran, parts: &[&str]) {
     let contents = |names: &[String]| -> Vec<Vec<u8>> {

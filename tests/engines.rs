@@ -1,4 +1,4 @@
-//! The same bits from every engine.
+//! Every engine gives the same bits.
 
 use crate::program::{Bench, has_gpu, shared_tree};
 

@@ -36,7 +36,7 @@ fn page_of(trees: &[&[u8]]) -> String {
     page_of_surfaces(&surfaces)
 }
 
-/// The same of what is drawn of each tree.
+/// The page of what is drawn of each tree.
 fn page_of_surfaces(surfaces: &[Vec<(Surface, bool)>]) -> String {
     let heights = || {
         surfaces[0]

@@ -89,7 +89,7 @@ impl Bench {
         Ran::of(arguments, output)
     }
 
-    /// The same where the system finds other programs in these folders alone.
+    /// Runs it where the system finds other programs in these folders alone.
     pub(crate) fn run_on_path(&self, folders: &[PathBuf], arguments: &[&str]) -> Ran {
         let output = Command::new(env!("CARGO_BIN_EXE_secateur"))
             .args(arguments)
@@ -138,14 +138,14 @@ impl Ran {
         }
     }
 
-    /// It did what it was asked to.
+    /// The program did what it was asked to.
     #[track_caller]
     pub(crate) fn succeeded(self) -> Self {
         assert_eq!(self.code, Some(0), "{}: {}", self.command, self.stderr);
         self
     }
 
-    /// It was used wrongly: it says so with all these parts, and how to learn more.
+    /// The program was used wrongly: it says so with all these parts, and how to learn more.
     #[track_caller]
     pub(crate) fn misused_saying(self, parts: &[&str]) {
         let Self {
@@ -170,7 +170,7 @@ impl Ran {
         self.failed_with(4, parts);
     }
 
-    /// It gave up with this exit code and one sentence that has all these parts.
+    /// The program gave up with this exit code and one sentence that has all these parts.
     #[track_caller]
     pub(crate) fn failed_with(self, code: i32, parts: &[&str]) {
         let Self {

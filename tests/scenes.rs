@@ -103,7 +103,7 @@ fn what_no_camera_of_a_scene_sees_goes_first() {
     assert_eq!(before + behind, OAK_LEAVES as usize / 4);
     assert!(behind * 10 <= before, "{before} before, {behind} behind");
 
-    // The same cameras without the wall.
+    // All cameras without the wall.
     nodes.pop();
     put(&bench, "bare.gltf", &scene(&nodes));
     simplified(&bench, &["--ratio", "0.25", "--scene", "bare.gltf"]);

@@ -85,7 +85,7 @@ fn opened(bench: &Bench, name: &str) -> Opened {
     }
 }
 
-/// The same GLB with another JSON.
+/// A GLB with another JSON.
 fn edited(glb: &[u8], edit: impl Fn(&mut Value)) -> Vec<u8> {
     let (json, bin) = chunks(glb);
     let mut root: Value = serde_json::from_slice(json).unwrap();

@@ -179,7 +179,7 @@ impl Tab {
         ));
     }
 
-    /// The same of a page of a server.
+    /// Opens a page of a server.
     pub(crate) fn visit_address(&mut self, address: &str) {
         self.call("Page.navigate", json!({"url": address}));
         let start = Instant::now();

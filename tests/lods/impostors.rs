@@ -43,7 +43,7 @@ fn crossed_planes_end_a_chain_in_every_layout() {
         bench.run(&lods).succeeded();
         let record = bench.json("r.json");
         let made = levels(&record);
-        // It was asked for by name, and stands there whatever it looks like.
+        // The impostor was asked for by name, and stands there whatever it looks like.
         let notes = record["notes"].to_string();
         assert!(notes.contains("as `--impostor` asks for it"), "{notes}");
         let kinds: Vec<&str> = made.iter().map(|l| l["kind"].as_str().unwrap()).collect();

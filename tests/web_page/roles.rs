@@ -135,7 +135,7 @@ fn a_part_that_is_not_the_plant_is_neither_counted_nor_changed() {
     let command = text_of(&mut tab, "#command");
     assert!(command.contains("--not-plant"), "{command}");
 
-    // It is there still, as it was, and drawn under the plant.
+    // The wood is there still, as it was, and drawn under the plant.
     let report = ["inspect", "out.glb", "--report", "r.json"];
     bench.run(&report).succeeded();
     let report: Value = bench.json("r.json");
@@ -178,7 +178,7 @@ fn a_piece_that_is_not_the_plant_is_kept_by_page_and_program_alike() {
     let levels = json!({"kind": "chain", "levels": "shares", "shares": [0.5, 0.1]});
     assert_eq!(assert_same_bytes_of(&mut tab, &bench, levels).len(), 3);
 
-    // It stands among the parts, and can become a leaf again.
+    // The part is listed still, and can become a leaf again.
     tab.click("[data-mode=plant]");
     tab.ask("void ([...document.querySelectorAll('#parts button')].find((b) => b.innerText.includes('Not the plant')).id = 'other')");
     tab.click("#other");

@@ -31,7 +31,7 @@ pub(crate) fn text(name: impl ValueEnum) -> String {
 pub(crate) enum MethodName {
     /// Viewpoint-driven simplification, by an exact and fast engine
     Vds,
-    /// The same by the paper's algorithm, literally; for a few hundred leaves
+    /// Viewpoint-driven by the paper's algorithm, literally; for a few hundred leaves
     VdsReference,
     /// Leaf collapse: the two nearest leaves, most in one plane, become one
     Fsa,

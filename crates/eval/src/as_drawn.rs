@@ -323,7 +323,7 @@ pub(crate) mod tests {
         }
     }
 
-    /// It holds the card exactly: 64 pixels are a texel each, 16 are four.
+    /// A view that holds the card exactly: 64 pixels are a texel each, 16 are four.
     pub(crate) fn card_view() -> ViewSet {
         let view = View::look_at(DVec3::Z, DVec3::ZERO, DVec3::Y, 0.5, 0.01).unwrap();
         ViewSet::new(vec![view])

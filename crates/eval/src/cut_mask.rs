@@ -145,7 +145,7 @@ struct Known {
 }
 
 impl CutMasks {
-    /// That of a material, made when it is first asked for; none of what is not cut out by a texture.
+    /// The mask of a material, made when it is first asked for; none of what is not cut out by a texture.
     pub(crate) fn of(&self, material: &Material) -> Option<Arc<CutMask>> {
         let cutoff = alpha_cutoff(material)?;
         let texture = material.texture.as_ref()?;

@@ -40,7 +40,7 @@ impl MipMaps {
         all
     }
 
-    /// That of this very texture, not of one like it.
+    /// The chain of this very texture, not of one like it.
     fn find(&self, texture: &Arc<Texture>) -> Option<&Arc<MipChain>> {
         let mut chains = self.0.iter();
         chains.find(|chain| Arc::ptr_eq(chain.texture(), texture))

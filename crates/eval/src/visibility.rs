@@ -38,7 +38,7 @@ pub(crate) struct Visibility {
 /// Whether back faces of materials that are not double-sided are left out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Culling {
-    /// They are, as clients do.
+    /// Back faces of such materials are left out, as clients do.
     Material,
     /// All faces are drawn: what is culled still casts a shadow.
     None,

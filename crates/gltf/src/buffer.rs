@@ -246,7 +246,7 @@ mod tests {
     fn a_file_that_is_named_often_is_in_memory_once() {
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join("big.bin"), [1, 2, 3, 4, 5, 6, 7, 8]).unwrap();
-        // The same file under other names, and more or less of it.
+        // One file under several names, and more or less of it.
         let named = [("big.bin", 2), ("./big.bin", 6), ("big%2Ebin", 6)];
         let json = named.map(|(uri, length)| json!({"uri": uri, "byteLength": length}));
         let root = json!({ "buffers": json });

@@ -225,7 +225,7 @@ impl Document {
     }
 }
 
-/// The same file once more: bytes and decoded images are shared; what was decompressed is decompressed again when it
+/// A copy shares bytes and decoded images; what was decompressed is decompressed again when it
 /// is asked for.
 impl Clone for Document {
     fn clone(&self) -> Self {

@@ -188,7 +188,7 @@ mod tests {
             [-1.0, 0.0, 0.0],
             [-1.0, -1.0, 0.0],
         ];
-        // They even share the vertex by index.
+        // Both triangles even share the vertex by index.
         assert_eq!(
             leaves(&touching, &[[0, 1, 2], [0, 3, 4]]),
             [vec![0], vec![1]]

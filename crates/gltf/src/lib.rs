@@ -93,7 +93,7 @@
 //! | the two chunks of a GLB | `container.rs` |
 //! | elements of accessors | `accessor.rs`, `sparse.rs`, `view.rs`, `meshopt/`, `draco.rs` |
 //! | what is drawn, and where | `node.rs`, `instances.rs`, `parts.rs` |
-//! | which triangles are a leaf | `leaves.rs`, `find.rs`; what is doubtful: `find_warnings.rs` |
+//! | which triangles are a leaf | `leaves.rs`, `find.rs`, `found_leaves.rs`; what is doubtful: `find_warnings.rs` |
 //! | what is foliage | `choice.rs`, `evidence.rs`, `selector.rs`, `known_roles.rs`; wood among leaves: `wood_pieces.rs`; what a click or a lasso meets: `pieces.rs`, `scene_pieces.rs` |
 //! | what is not the plant | `roles.rs`, `helper_names.rs`, `levels_inside.rs`, `levels_in_one_place.rs`; pieces of a primitive: `halves.rs` |
 //! | how a surface looks | `material.rs`, `vertex_alpha.rs`, `picture.rs`, `ktx2.rs`, `cutouts.rs`, `surfaces.rs` |
@@ -127,6 +127,7 @@ mod file_kind;
 mod find;
 mod find_warnings;
 mod folder;
+mod found_leaves;
 mod halves;
 mod hang;
 mod helper_names;

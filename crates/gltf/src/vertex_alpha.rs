@@ -16,13 +16,13 @@ use super::survey::{Group, Survey};
 /// Whether the alpha of vertex colours hides leaves. Spelled `auto`, `keep` or `ignore`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum VertexAlpha {
-    /// It does, unless it would hide most of a primitive: then it is ignored in the whole file, with a
+    /// Alpha counts, unless it would hide most of a primitive: then it is ignored in the whole file, with a
     /// warning.
     #[default]
     Auto,
-    /// It does, as glTF has it.
+    /// Alpha counts, as glTF has it.
     Keep,
-    /// It does not: it is something else, such as wind data.
+    /// Alpha does not count: it is something else, such as wind data.
     Ignore,
 }
 

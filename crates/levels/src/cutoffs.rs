@@ -65,9 +65,9 @@ const MOST_MORE_SPECKS: f64 = 2.0;
 /// What may be done to materials.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MaterialChange {
-    /// They may have other cutoffs, or textures whose clear texels have another alpha.
+    /// Materials may have other cutoffs, or textures whose clear texels have another alpha.
     Cutoffs,
-    /// They may be read without mip maps, too.
+    /// Textures may be read without mip maps, too.
     CutoffsOrMips,
 }
 

@@ -9,7 +9,7 @@ use std::ops::{Deref, Range};
 pub enum NamedOption {
     /// Which parts are foliage.
     Foliage,
-    /// That the alpha of vertex colours counts.
+    /// Whether the alpha of vertex colours counts.
     KeepVertexAlpha,
     /// The largest difference that a level may have, with its value where that matters.
     MaxDifference(Option<f64>),
@@ -19,7 +19,7 @@ pub enum NamedOption {
     ImpostorTextures,
     /// How high the plant really is, in metres.
     PlantHeight,
-    /// That what stands apart is one plant.
+    /// Whether what stands apart is one plant.
     AsOne,
 }
 

@@ -43,7 +43,7 @@ impl Occlusion {
         Self { nearest }
     }
 
-    /// Those fragments of the view that show.
+    /// The fragments of the view that show.
     pub fn cut(&self, view: &ViewFragments) -> ViewFragments {
         let mut starts = Vec::with_capacity(self.nearest.len() + 1);
         let mut fragments: Vec<Fragment> = Vec::with_capacity(view.as_slice().len());

@@ -282,7 +282,7 @@ fn holes_of_a_cutout_show_what_is_behind() {
     assert_eq!([front(4), front(7), front(8), front(11)], [2, 2, 1, 1]);
 }
 
-/// The same by each triangle alone, in each of two ways to draw it.
+/// Each triangle is drawn alone, in each of two ways.
 #[test]
 fn holes_of_a_triangle_show_what_is_behind() {
     let mask = Cutout::from_fn([4, 2], [Wrap::Repeat; 2], |x, y| x >= 2 || y >= 1);

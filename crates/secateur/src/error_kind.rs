@@ -10,7 +10,7 @@ use crate::Error;
 pub enum ErrorKind {
     /// The input does not allow it: a file is not what it should be, or cannot become what is asked for.
     Input,
-    /// It was asked for wrongly: a value is out of its range.
+    /// A wrong request: a value is out of its range.
     Usage,
     /// The machine does not allow it: memory, disk, GPU.
     Machine,

@@ -212,7 +212,7 @@ pub struct DifferenceAt {
 pub struct Misplaced {
     /// The largest extent of the plant along an axis, in world units.
     pub size: f64,
-    /// That of the other.
+    /// The size of the other.
     pub other_size: f64,
     /// How far the middle of the other is off, along the axis where it is farthest.
     pub moved: f64,

@@ -42,9 +42,9 @@ pub enum ColorChoice {
     #[default]
     #[cfg_attr(feature = "cli", value(skip))]
     Auto,
-    /// Those of the leaves near them, where mip maps would mix in others.
+    /// Colours of the leaves near them, where mip maps would mix in others.
     Dilate,
-    /// Those of the tree.
+    /// Colours of the tree.
     Keep,
 }
 

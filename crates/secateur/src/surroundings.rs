@@ -16,7 +16,7 @@ pub struct Surroundings {
     pub cameras: Option<ViewSet>,
     /// What hides leaves.
     pub occluders: Option<Arc<Foliage>>,
-    /// The same as it is drawn, for levels, which are judged by pictures.
+    /// Occluders as they are drawn, for levels, which are judged by pictures.
     pub obstacles: Vec<Surface>,
     /// What the plant has grown on, in place of the skeleton of its file.
     pub skeleton: Option<Arc<PlantSkeleton>>,

@@ -41,7 +41,7 @@ pub struct Work {
     pub(crate) fits: bool,
     /// How triangles may be shared between leaves and wood in one level: the nearest to the plant is taken.
     pub sharings_of_one: &'static [Sharing],
-    /// The same at each step of a search for a level of a chain; the first is tried first.
+    /// How triangles may be shared at each step of a search for a level of a chain; the first is tried first.
     pub sharings: &'static [Sharing],
     /// The most levels of a chain that are made whole, with their textures, for one place.
     pub placed: usize,

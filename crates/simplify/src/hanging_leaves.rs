@@ -28,7 +28,7 @@ impl HeldBy {
         }
     }
 
-    /// The same wood with another gap.
+    /// This wood with another gap.
     #[must_use]
     pub fn with_gap(&self, largest_gap: f64) -> Self {
         Self {

@@ -378,7 +378,7 @@ mod tests {
         assert_eq!(passes.needles.len(), left - hanging);
         assert!(nearer.hanging(&crown, &after).is_empty());
         passes.in_one_order().check(&crown).unwrap();
-        // Those that stay are as they were.
+        // Leaves that stay are as they were.
         let is_there = |(_, size): (LeafId, f64)| sizes_before.contains(&size);
         assert!(after.all_leaves().all(is_there));
     }

@@ -35,19 +35,19 @@ pub enum Preset {
     /// is in radii of the crown it does not say, so views stand where those of its judge do, at 3
     /// radii with 60 degrees.
     Paper,
-    /// The same, but a leaf's growth is its cost over the largest cost of the step.
+    /// The paper's algorithm, but a leaf's growth is its cost over the largest cost of the step.
     ///
     /// [`Self::Paper`] with [`Resize::Normalised`].
     PaperNormalised,
-    /// The same, but a neighbour takes over all of the area.
+    /// The paper's algorithm, but a neighbour takes over all of the area.
     ///
     /// [`Self::Paper`] with [`Resize::Full`].
     PaperFull,
-    /// The same, but a neighbour takes over all of the area only while the views have lost information.
+    /// The paper's algorithm, but a neighbour takes over all of the area only while the views have lost information.
     ///
     /// [`Self::Paper`] with [`Resize::Deficit`].
     PaperDeficit,
-    /// The same, but no leaf grows.
+    /// The paper's algorithm, but no leaf grows.
     ///
     /// [`Self::Paper`] with [`Resize::None`].
     PaperNone,

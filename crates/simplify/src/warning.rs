@@ -139,7 +139,7 @@ pub(crate) fn warnings(ended: &Ended<'_>) -> Vec<Warning> {
     all.into_iter().flatten().collect()
 }
 
-/// That more was asked for than there is.
+/// Says that more was asked for than there is.
 fn excess(target: Target, foliage: &Foliage) -> Option<Warning> {
     match target {
         Target::Leaves(asked) => {
@@ -177,7 +177,7 @@ fn shortfall(ended: &Ended<'_>) -> Option<Warning> {
     }
 }
 
-/// That leaves are culled.
+/// Says that leaves are culled.
 fn single_sided(foliage: &Foliage) -> Option<Warning> {
     let leaves = foliage.leaves();
     let is_culled = |leaf: &&Leaf| leaf.facing() != Facing::Both;
@@ -188,7 +188,7 @@ fn single_sided(foliage: &Foliage) -> Option<Warning> {
     })
 }
 
-/// That a fit cost information of the driving views.
+/// Says that a fit cost information of the driving views.
 fn about_fit([before_percent, after_percent]: [f64; 2]) -> Option<Warning> {
     (after_percent > 2.0 * before_percent && after_percent > CLEAR_ERROR_PERCENT).then_some(
         Warning::FitCostsInformation {

@@ -348,7 +348,7 @@ impl<'a> WholePlant<'a> {
         }
     }
 
-    /// That pieces which carry the crown are gone.
+    /// Says that pieces which carry the crown are gone.
     fn warning_of(&self, wood: &WoodLevel) -> Option<Warning> {
         let [gone, there] = self.levels.carriers_gone(&wood.chosen);
         (gone > 0).then_some(Warning::SupportsGone { gone, there })

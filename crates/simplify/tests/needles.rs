@@ -76,7 +76,7 @@ fn no_needle_gets_longer_and_as_many_of_the_same_area_are_left() {
         let scales = [&wide, &long].map(|result| result.passes.max_area_scale());
         assert!((scales[0] / scales[1] - 1.0).abs() < 1e-12, "{scales:?}");
         assert_eq!(scales[1], long.lod.max_area_scale());
-        // The same were chosen, in the same order.
+        // Both chose the same leaves in the same order.
         assert_eq!(wide.passes.order, long.passes.order);
         assert_eq!(wide.costs, long.costs);
         wide.passes.in_one_order().check(&crown).unwrap();

@@ -117,7 +117,7 @@ pub(crate) struct Common {
 pub(crate) enum Format {
     /// Lines for a reader.
     Pretty,
-    /// The same record as in reports.
+    /// The record that reports have.
     Json,
     /// A line of names and lines of values.
     Csv,

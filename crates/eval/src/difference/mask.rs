@@ -17,7 +17,7 @@ pub(crate) fn judged_pixels(a: &[f32], b: &[f32], width: usize) -> Vec<u32> {
         .collect()
 }
 
-/// Those of `pixels` that lie no more than `reach_px` rows and columns from one where two pictures differ: with filters
+/// Pixels, of `pixels`, no more than `reach_px` rows and columns from one where two pictures differ: with filters
 /// of this reach FLIP is 0 at all others. `differs` is by pixel, row by row.
 pub(super) fn near_difference(
     pixels: &[u32],

@@ -157,7 +157,7 @@ mod tests {
         }
     }
 
-    /// The same bits as where FLIP is found at all pixels, of a level with another colour, another coverage, or both.
+    /// FLIP has the bits that it has where it is found at all pixels: with another colour, another coverage, or both.
     #[test]
     fn flip_is_zero_far_from_what_differs() {
         let plant = PlantPicture::of(DrawnPlant(drawn(0.1, 1.0)));

@@ -20,7 +20,7 @@ fn triangle(corners: [[f32; 2]; 3]) -> ScreenTriangle {
     }
 }
 
-/// The same, each sample against each triangle in scene order.
+/// What is seen where each sample is held against each triangle in scene order.
 fn literal(triangles: &[ScreenTriangle], surface: &Surface, side: usize) -> Vec<u32> {
     let mut frontmost = vec![NOTHING; side * side];
     let mut nearness = vec![f32::NEG_INFINITY; side * side];

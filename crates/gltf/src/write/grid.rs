@@ -9,7 +9,7 @@ const FEWEST_STEPS: f64 = 4096.0;
 /// What becomes of numbers on a grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Grid {
-    /// They were f32 and are.
+    /// Values were f32 and are.
     AsFloats,
     /// The nearest ones on the grid.
     Kept,

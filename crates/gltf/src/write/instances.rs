@@ -48,7 +48,7 @@ pub(super) fn place_instances(
         ));
     }
     let attributes = old_attributes(draft, node);
-    // Those that come apart are one mesh by now.
+    // Instances that come apart are one mesh by now.
     let Some((mesh, members)) = groups.first() else {
         draft.take_mesh_away(node);
         take_instancing_away(&mut draft.root["nodes"][node]);

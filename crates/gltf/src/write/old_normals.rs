@@ -39,7 +39,7 @@ impl NormalsOfParts {
         Self(vec![OnceLock::new(); parts])
     }
 
-    /// Those of a part, which is this primitive of the document; nothing where there are no normals.
+    /// Normals of a part, which is this primitive of the document; nothing where there are none.
     pub(super) fn of_part(
         &self,
         part: usize,

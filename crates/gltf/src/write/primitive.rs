@@ -168,7 +168,7 @@ fn kept_triangles(
 }
 
 impl Kept {
-    /// Those of the old triangles that stay, smaller or larger where their leaves are.
+    /// The old triangles that stay, smaller or larger where their leaves are.
     fn of_old(edits: &LeafEdits, part_number: usize, triangles: &[[u32; 3]]) -> Self {
         let mut is_kept = vec![true; triangles.len()];
         let mut resize_of = vec![None; triangles.len()];

@@ -32,7 +32,7 @@ pub(super) struct Vertices {
 }
 
 impl Vertices {
-    /// The same vertices, each before those that later corners use first: indices in that order
+    /// Its vertices, each before those that later corners use first: indices in that order
     /// take the fewest bytes when they are compressed.
     pub(super) fn in_order_of_use(mut self) -> Self {
         const UNUSED: u32 = u32::MAX;

@@ -95,7 +95,7 @@ fn a_folder_of_which_ours_is_the_beginning_is_outside() {
 
 #[test]
 fn something_outside_that_is_no_file() {
-    // It must not be opened: a device could give bytes without end.
+    // A device must not be opened: it could give bytes without end.
     let place = CopiedTree::new();
     fs::remove_file(place.path("tree/small.bin")).unwrap();
     symlink("/dev/zero", place.path("tree/small.bin")).unwrap();

@@ -324,7 +324,7 @@ fn what_is_named_as_not_the_plant_is_neither_counted_nor_changed() {
     let level = level.with_roles_of(whole.items());
     assert_eq!(count(level.drawn_as_one(Detail::Color).unwrap()), 1);
 
-    // It goes before leaves of the same name, and a name that is not there is refused.
+    // What is not the plant goes before leaves of the same name, and a name that is not there is refused.
     let leaves = selectors("material:*");
     let tree = named("node:Bench").into_tree(&leaves).unwrap();
     assert_eq!(tree.triangle_count(), 21);

@@ -235,7 +235,7 @@ impl Maker<'_> {
         let (seen, most) = (self.seen(height), fewest_cards::most());
         let mut fewest = search.fewest(&seen, most, finish, observer)?;
         if fewest.is_none() {
-            // They stand there whatever their pictures take.
+            // Cards that are asked for stand there whatever their pictures take.
             search.bound(u64::MAX);
             fewest = search.fewest(&seen, most, finish, observer)?;
         }

@@ -85,9 +85,9 @@ pub enum LevelKind {
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum ClearTexels {
-    /// Those of the tree.
+    /// Colours of the tree.
     Keep,
-    /// Those of the leaves near them.
+    /// Colours of the leaves near them.
     Dilate,
 }
 
@@ -117,7 +117,7 @@ struct AsDrawn {
     coverage_ratio: Option<f64>,
     /// Pixels that a client covers over those truly covered, from where the level begins to be seen.
     coverage_as_drawn: Option<f64>,
-    /// The same from where the next level takes over.
+    /// What a client shows of it, over what there is, from where the next level takes over.
     coverage_as_drawn_at_end: Option<f64>,
     /// Islands of up to 3 pixels in a view, from where the level begins to be seen.
     specks_as_drawn: Option<f64>,

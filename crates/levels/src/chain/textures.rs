@@ -62,7 +62,7 @@ pub enum Textures {
     /// Made for the distance of each level: texels of about a pixel, which cover what the tree's do.
     #[default]
     Fit,
-    /// Those of the tree.
+    /// Textures of the tree.
     Keep,
 }
 

@@ -193,7 +193,7 @@ mod tests {
         of_material(dot(column, row), cutoff)
     }
 
-    /// Those of 5 x 5 texels about what is shown, beyond the edges too.
+    /// Texels within 5 x 5 about what is shown keep it, beyond the edges too.
     #[test]
     fn texels_near_what_is_shown_keep_their_alpha() {
         for (column, row) in [(60, 30), (0, 0), (127, 63), (1, 62)] {

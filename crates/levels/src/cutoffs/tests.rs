@@ -191,7 +191,7 @@ fn more_specks_are_borne_with_where_the_level_is_not_tolerable() {
     let truth = Outlines::of_truth(&surfaces, &views, 128);
     let most =
         |is_tolerable| DrawnOriginal::new(&surfaces, &views, is_tolerable).most_specks(&truth, 128);
-    // It has faded, so that what clients show of it says nothing.
+    // The plant has faded, so that what clients show of it says nothing.
     let specks = truth.specks_per_view();
     assert!(specks > 10.0, "{specks}");
     assert_eq!(most(true), 1.25 * specks + 2.0);

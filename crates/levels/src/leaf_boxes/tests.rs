@@ -32,7 +32,7 @@ fn plant() -> (Foliage, PlantSkeleton) {
         segment(Some(1), false, [at(0.0, 3.0), at(-0.1, 3.0)]),
     ];
     let mut foliage = Foliage::default();
-    // Those of the bough are apart from each other, so that its box has a volume.
+    // Leaves of the bough are apart from each other, so that its box has a volume.
     let ends = [
         at(0.0, 4.0),
         at(3.0, 2.0),

@@ -209,7 +209,7 @@ mod tests {
         assert_eq!(number(texture(2, 2, 0), true), 1);
         // Read again from another level's file.
         assert_eq!(number(texture(2, 2, 255), true), 0);
-        // The same bytes as normals are another texture.
+        // As normals these bytes are another texture.
         assert_eq!(number(texture(2, 2, 255), false), 2);
         let entries = textures.entries();
         assert_eq!(entries.len(), 3);

@@ -99,7 +99,7 @@ pub enum StreamError {
     OutOfOrder {
         /// The number that is there.
         found: u32,
-        /// That of the next piece.
+        /// The number of the next piece.
         expected: u32,
     },
     /// A body that is not what zlib makes, or of another length than is said.

@@ -230,7 +230,7 @@ fn head(
     for of in surfaces {
         let surface = &of.surface;
         let packed = look(&surface.material, textures)?;
-        // The same names and kinds as those of a preview page, which draws both.
+        // Names and kinds are those of a preview page, which draws both.
         let json = serde_json::to_value(&packed).expect("numbers and texts make JSON");
         let mut look: Look = serde_json::from_value(json).expect("a look of the page");
         look.name.clone_from(&surface.material.name);

@@ -96,7 +96,7 @@ pub enum OrderFileError {
     MadeCount {
         /// Made leaves of the steps.
         made: usize,
-        /// That of the head.
+        /// The count that the head claims.
         claimed: u32,
     },
     /// Steps that cannot be followed.

@@ -349,7 +349,7 @@ impl ViewDependent {
         self.is_active[index] = true;
         self.active_count += 1;
         self.leaf_count += usize::from(self.forest.nodes()[index].leaf.is_some());
-        // It is still in the list.
+        // The node is still in the list.
         if self.at == Some(node) {
             return;
         }

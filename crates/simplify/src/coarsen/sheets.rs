@@ -211,7 +211,7 @@ mod tests {
                 let weights = Weights::of(&one.uvs, DVec2::splat(0.5) + 0.37 * on_rim);
                 assert!(weights.0.iter().all(|weight| *weight > 0.0));
             }
-            // It faces where the leaf does, and its texture lies as large as it did.
+            // The sheet faces where the leaf does, and its texture lies as large as it did.
             let [a, b, c] = one.corners;
             let area = 0.5 * (b - a).cross(c - a);
             assert!(area.z > 0.9 * area.length());

@@ -50,7 +50,7 @@ pub const MAX_OUTLINE_WEIGHT: f64 = 100.0;
 /// The weight of the outline of a fit that is asked for without one.
 pub const DEFAULT_OUTLINE_WEIGHT: f64 = 0.95;
 
-/// That of [`Preset::Information`](crate::Preset::Information): less information is lost, and more of
+/// The weight of the outline in [`Preset::Information`](crate::Preset::Information): less information is lost, and more of
 /// the outline (`benches/judges.rs`; a bush at a tenth of its leaves: VMI error of the worst of four
 /// judges 6.6 instead of 8.0 %, IoU .449 instead of .464).
 pub const INFORMATION_OUTLINE_WEIGHT: f64 = 0.3;
@@ -107,7 +107,7 @@ impl<'a> Fit<'a> {
                 let too_many = error.downcast::<TooManyFragments>().expect(DRAWN);
                 room.lacks(&too_many, &left)
             })?;
-            // They stay while the other sets are looked at.
+            // Fragments of one set stay while the others are looked at.
             *budget = room.after(fragments.len() as u64)?;
             let fragments = fragments.into_views();
             let views = fragments.into_par_iter().zip(views.views()).enumerate();

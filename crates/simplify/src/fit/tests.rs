@@ -259,7 +259,7 @@ fn only_pixels_that_change_hands_are_chance() {
     let mut stage = information_of(&way);
     let leaf = LeafId::from_index(0);
     let [now, larger, smaller] = stage.seen(&[(leaf, [4.0, 0.25])])[0][0];
-    // It hides itself at no size.
+    // A leaf hides itself at no size.
     assert_eq!(now.changed_px, 0);
     assert_eq!(larger.changed_px, larger.area_px - now.area_px);
     assert_eq!(smaller.changed_px, now.area_px - smaller.area_px);
@@ -379,7 +379,7 @@ fn it_can_be_broken_off() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
-    /// It is what is drawn anew, after every batch.
+    /// After every batch what is kept is what is drawn anew.
     #[test]
     fn what_is_kept_up_to_date_is_true(seed in 0u64..1000, every in 1usize..5, scale in 0.3..6.0f64, weight in 0.0..8.0f64) {
         let original = crown(90, seed);

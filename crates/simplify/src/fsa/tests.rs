@@ -120,7 +120,7 @@ fn leaves_that_nearly_coincide_become_a_leaf_of_their_size() {
     assert!((area - 1.01).abs() < 1e-3, "{area}");
 }
 
-/// The same two by the published rule: in a view along z all four corners of each are as far from
+/// Two such leaves by the published rule: in a view along z all four corners of each are as far from
 /// the other leaf as its nearest corner, the two on the left of the left one .01 from the other's
 /// left edge and those on the right of the right one likewise. So each gives its first two, which
 /// lie beside each other, and a sliver is what is left.

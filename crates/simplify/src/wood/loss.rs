@@ -88,7 +88,7 @@ impl<'a> Original<'a> {
         let ends_off = self.ends.map(|end| shape.distance(end));
         let ends_off = ends_off[0].max(ends_off[1]);
         if self.pixels.is_empty() {
-            // It may still bear leaves and twigs: the nearer, the better.
+            // The piece may still bear leaves and twigs: the nearer, the better.
             let thickness = thickness(self.wood, self.piece);
             return Loss {
                 loss: match off > 0.0 {

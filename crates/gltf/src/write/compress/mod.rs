@@ -48,7 +48,7 @@ impl Compression {
         }
     }
 
-    /// That of the first view that has one.
+    /// The extension of the first view that has one.
     pub(super) fn of(root: &Value) -> Option<Self> {
         let views = root.get("bufferViews").and_then(Value::as_array);
         views.into_iter().flatten().find_map(|view| {
@@ -88,7 +88,7 @@ pub(super) fn take_off<'d>(
         if extensions.is_empty() {
             remove_field(view, "extensions");
         }
-        // That it can be read is known from here on.
+        // From here on the view is known to be readable.
         let bytes = document.view_bytes(number)?;
         if partly_used.contains(&number) {
             own.insert(number, bytes);

@@ -7,7 +7,7 @@ use super::new_leaves::beyond_its_corners;
 use super::{encodings, every_encoding::one_gone_one_grown};
 use crate::Cutoffs;
 
-/// Those of leaves that are cut out are written, and nothing else of the file changes.
+/// Cutoffs of leaves that are cut out are written, and nothing else of the file changes.
 #[test]
 fn a_level_has_the_cutoffs_that_were_chosen() {
     let tree = encodings::textured().tree();

@@ -28,7 +28,7 @@ fn three_levels() -> Fixture {
     fixture
 }
 
-/// The same, as names say it.
+/// Three levels that are known by their names.
 fn named() -> Fixture {
     let mut fixture = three_levels();
     for (node, name) in [(0, "Oak_LOD0"), (3, "Oak_LOD1"), (4, "Oak_LOD2_Billboard")] {
@@ -38,7 +38,7 @@ fn named() -> Fixture {
     fixture
 }
 
-/// The same, as MSFT_lod says it.
+/// Three levels that MSFT_lod links.
 fn linked() -> Fixture {
     let mut fixture = three_levels();
     fixture.use_extension("MSFT_lod", false);

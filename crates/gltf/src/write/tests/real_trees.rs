@@ -8,7 +8,7 @@ use crate::{Document, Tree};
 use secateur_model::LeafId;
 use secateur_model::Lod;
 
-/// Those that are there.
+/// The shared trees that are there.
 pub(super) fn trees() -> Vec<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/trees");
     let names = [

@@ -199,7 +199,7 @@ fn normals_of_half_the_size_are_taken_where_they_look_as_near() {
         sizes(&half.impostor),
         [colors, normals.map(|side| side / 2)]
     );
-    // They are no nearer than this.
+    // Half normals are no nearer than this.
     let nearer = |figure: f64| 0.9 * figure;
     let nearer = Found {
         impostor: all.impostor.clone(),

@@ -226,7 +226,7 @@ struct Layer<'a> {
     pivot: DVec3,
     /// Of the finest level, about the pivot.
     extent: [[f32; 3]; 2],
-    /// Those of the levels.
+    /// Prims of the levels.
     prims: &'a [String],
 }
 

@@ -16,7 +16,7 @@ const TOGETHER: usize = 16;
 pub(super) struct Bounds {
     /// The least `sum g d` of solid leaves, less what rounding may have done.
     pub solid: f32,
-    /// That figure of open leaves; negative infinity if that is not known.
+    /// The figure of `solid`, of open leaves; negative infinity if that is not known.
     pub open: f32,
     /// The least `n` of any, less what rounding may have done.
     pub n: f32,

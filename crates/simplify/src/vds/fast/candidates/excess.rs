@@ -70,12 +70,12 @@ pub(super) struct Excesses {
     /// The least of the others.
     pub least_solid: f32,
     pub largest: f32,
-    /// Likewise the least of `sum g d`, g the signs of D, of leaves that would hand
+    /// The least of `sum g d`, g the signs of D, of leaves that would hand
     /// nothing to the background.
     pub least_along_solid: f32,
     /// The least of the others.
     pub least_along_open: f32,
-    /// Likewise the least and largest sum of the deltas without their signs.
+    /// The least and largest sum of the deltas without their signs.
     pub least_n: f32,
     pub largest_n: f32,
     /// The largest of what was added up for a leaf.
@@ -94,7 +94,7 @@ pub(super) struct Beside<'a> {
     /// 0 where a lane holds a leaf that would hand pixels to the background,
     /// infinite elsewhere.
     pub open: &'a Lanes,
-    /// Likewise of the other leaves.
+    /// Lanes of the other leaves.
     pub solid: &'a Lanes,
 }
 

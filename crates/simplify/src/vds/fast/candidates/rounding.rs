@@ -22,7 +22,7 @@ impl Rounding {
             // Logarithms are rounded down within 1.2 units. Then and now, each
             // of two logarithms times areas that sum to at most all pixels.
             rise: 2.5 * pixels * views,
-            // Likewise three, times at most the pixels of a view.
+            // Three roundings, times at most the pixels of a view.
             revealed: 2.5 * pixels,
             views,
         }
