@@ -205,7 +205,7 @@ pub use scene::{MAX_CAMERA_WEIGHT, MAX_WEIGHED_CAMERAS, SceneCamera};
 pub use scene_kinds::{MAX_THINGS, Placement, SceneKind};
 pub use scene_pieces::ScenePieces;
 pub use selector::{Selector, SelectorError};
-pub use surfaces::{Detail, DrawnSurface, MaterialImage};
+pub use surfaces::{Detail, DrawnSurface, MaterialImage, TexelContent};
 pub use tree::Tree;
 pub use vertex_alpha::VertexAlpha;
 pub use whole_tree::WholeTree;

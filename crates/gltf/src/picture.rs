@@ -115,8 +115,15 @@ impl<'a> Pictures<'a> {
         }
     }
 
-    /// The pixels of `images[index]`, or why there are none.
+    /// The pixels of `images[index]`, or why there are none. They stay where [`Document::keep_images`] asks for it.
     pub(crate) fn get(&mut self, index: usize) -> Result<Decoded, Fault> {
+        let decoded = self.decoded_once(index)?;
+        self.document.kept_images.keep_image(index, &decoded);
+        Ok(decoded)
+    }
+
+    /// As [`Self::get`], of an image that is needed once.
+    pub(crate) fn decoded_once(&mut self, index: usize) -> Result<Decoded, Fault> {
         if self.decoded.len() <= index {
             self.decoded.resize(index + 1, None);
         }
@@ -159,7 +166,6 @@ impl<'a> Pictures<'a> {
             }
             Err(why) => Decoded::Unusable(why.into()),
         };
-        self.document.kept_images.keep_image(index, &decoded);
         self.decoded[index] = Some(decoded.clone());
         Ok(decoded)
     }

@@ -21,7 +21,7 @@ impl FittedTextures {
             };
             let original = look.texture.as_ref()?;
             let seen = Seen::of(&surfaces)?;
-            let texels = seen.texels_a_pixel(original, pixels);
+            let texels = seen.texels_a_pixel([original.width, original.height], pixels);
             // The factor's alpha is tested with the texture's.
             let cutoff = cutoff / look.base_color[3];
             LeafTextures::new(original, cutoff, &seen, texels).map(|of| (material, of))
@@ -43,6 +43,7 @@ impl FittedTextures {
     /// One for each of the materials.
     pub(super) fn textures(&self, make: Make) -> Vec<LevelTexture> {
         let texture = |(material, textures): &(usize, LeafTextures)| LevelTexture {
+            image: None,
             material: *material,
             texture: Arc::new(textures.made(make)),
             keeps_sampler: false,

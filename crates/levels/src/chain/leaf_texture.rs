@@ -90,9 +90,10 @@ impl Seen {
         Some(Self { points, density })
     }
 
-    /// How many texels of a texture, along a side, a pixel shows on the mean where a unit of length is `pixels` pixels.
-    pub(super) fn texels_a_pixel(&self, texture: &Texture, pixels: f64) -> f64 {
-        let side = (f64::from(texture.width) * f64::from(texture.height)).sqrt();
+    /// How many texels of a texture of this width and height, along a side, a pixel shows on the mean where a unit of
+    /// length is `pixels` pixels.
+    pub(super) fn texels_a_pixel(&self, [width, height]: [u32; 2], pixels: f64) -> f64 {
+        let side = (f64::from(width) * f64::from(height)).sqrt();
         self.density * side / pixels
     }
 

@@ -57,7 +57,8 @@ pub(super) fn retextured(level: &LevelSurfaces, textures: &[LevelTexture]) -> Ve
 
 /// Lets a surface of this material show the texture of a level that is for it, if there is one.
 pub fn show(surface: &mut Surface, material: Option<usize>, textures: &[LevelTexture]) {
-    let own = textures.iter().find(|own| Some(own.material) == material);
+    let is_its = |own: &&LevelTexture| Some(own.material) == material && own.image.is_none();
+    let own = textures.iter().find(is_its);
     if let Some(own) = own {
         let shown = &mut Arc::make_mut(&mut surface.material).texture;
         let mut texture = Arc::clone(&own.texture);

@@ -21,6 +21,7 @@ use super::look::{Drawn, LevelPicture, Look};
 use super::memory::take_levels;
 use super::options::{ChainOptions, Wanted};
 use super::placed::Placed;
+use super::smaller_images::SmallerImages;
 use super::stage_clock::{ChainStage, StageClock};
 use super::stands::Stands;
 use super::texture_bytes::texture_bytes;
@@ -65,6 +66,8 @@ pub(super) struct Maker<'a> {
     pub(super) look: Look,
     /// Textures of the tree in whose place levels show the same with the colours of leaves in clear texels.
     dilated: Vec<LevelTexture>,
+    /// Images beside base colours, as small as levels need them.
+    pub(super) smaller_images: SmallerImages,
     /// The leaves, drawn in the held-out views.
     leaves: Measured<'a>,
     /// What levels share of the leaves' simplification.
@@ -104,12 +107,14 @@ impl<'a> Maker<'a> {
             Textures::Keep => Vec::new(),
         };
         let dilated = dilated.into_iter().map(|one| LevelTexture {
+            image: None,
             material: one.material,
             texture: one.texture,
             keeps_sampler: true,
         });
         Ok(Self {
             dilated: dilated.collect(),
+            smaller_images: SmallerImages::default(),
             all: leaves.triangles().len() + wood.triangles().len(),
             shared: RefCell::new(shared()),
             finer: RefCell::default(),
@@ -402,7 +407,8 @@ impl<'a> Maker<'a> {
 fn clear_texels(textures: &[LevelTexture]) -> ClearTexels {
     let is_clear = |texel: &[u8]| texel[3] < u8::MAX;
     let has_clear = |own: &LevelTexture| own.texture.rgba.chunks_exact(4).any(is_clear);
-    match textures.iter().any(has_clear) {
+    let mut base_colors = textures.iter().filter(|own| own.image.is_none());
+    match base_colors.any(has_clear) {
         true => ClearTexels::Dilate,
         false => ClearTexels::Keep,
     }

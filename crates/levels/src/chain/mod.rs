@@ -25,11 +25,12 @@ mod memory;
 #[cfg(test)]
 mod nested_tests;
 mod next_step;
-mod opaque_textures;
 mod options;
 mod placed;
 mod scene_look;
 mod seen_from_nearer;
+mod smaller_base_colors;
+mod smaller_images;
 mod stage_clock;
 mod stands;
 #[cfg(test)]

@@ -9,7 +9,7 @@ use super::cards::FAR_PX;
 use super::error::ChainError;
 use super::level_surfaces::{LevelSurfaces, retextured};
 use super::maker::{Made, Maker};
-use super::opaque_textures::smaller_opaque_textures;
+use super::smaller_base_colors::smaller_base_colors;
 use super::stage_clock::ChainStage;
 use super::texture_bytes::texture_bytes;
 use super::textures::{Chosen, Client, Textures};
@@ -66,6 +66,10 @@ pub(super) const LEAST_SHOWN: f64 = 0.5;
 /// Texels along a pixel that are tried, without mip maps, where those of about a pixel look too coarse, and the plant's
 /// own fade or are far more than a far level needs.
 const TEXELS_A_PIXEL: [f64; 2] = [2.0, 4.0];
+
+/// How many times as many texels smaller base colours have along a side, one after the other until some look as they
+/// should.
+const FINER: [f64; 4] = [1.0, 2.0, 4.0, 8.0];
 
 /// A level with the textures that it has at a place.
 struct Dressed {
@@ -130,11 +134,18 @@ impl Maker<'_> {
         }
         if !place.is_first && self.options.textures == Textures::Fit {
             let pixels = client.pixels_a_unit(range[0]);
-            let smaller = self.with_smaller_opaque(level, &chosen.textures, pixels);
-            let dressed = smaller.map(|textures| (retextured(level, &textures), textures));
-            if let Some((dressed, textures)) = dressed.filter(|(dressed, _)| !is_beyond(dressed)) {
+            let smaller = FINER.iter().find_map(|finer| {
+                let smaller =
+                    self.with_smaller_base_colors(level, &chosen.textures, finer * pixels);
+                let dressed = smaller.map(|textures| (retextured(level, &textures), textures));
+                dressed.filter(|(dressed, _)| !is_beyond(dressed))
+            });
+            if let Some((dressed, textures)) = smaller {
                 (surfaces, chosen.textures) = (dressed, textures);
             }
+            let document = self.tree.items().document();
+            let smaller = self.smaller_images.of(level, document, pixels);
+            chosen.textures.extend(smaller);
         }
         Ok(Dressed {
             made,
@@ -143,18 +154,18 @@ impl Maker<'_> {
         })
     }
 
-    /// These textures of a level with smaller ones for what is opaque, where a unit of length is `pixels` pixels; none
-    /// where that saves nothing.
-    fn with_smaller_opaque(
+    /// These textures of a level with smaller base colours for what is not cut out, where a unit of length is `pixels`
+    /// pixels; none where that saves nothing.
+    fn with_smaller_base_colors(
         &self,
         level: &LevelSurfaces,
         textures: &[LevelTexture],
         pixels: f64,
     ) -> Option<Vec<LevelTexture>> {
         let document = self.tree.items().document();
-        let opaque = smaller_opaque_textures(level, document, pixels);
+        let own = smaller_base_colors(level, document, pixels);
         let bytes = |own: &[LevelTexture]| texture_bytes(document, &level.materials, own);
-        let all = [textures, &opaque].concat();
+        let all = [textures, &own].concat();
         (bytes(&all) < bytes(textures)).then_some(all)
     }
 

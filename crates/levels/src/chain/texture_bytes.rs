@@ -17,9 +17,11 @@ pub fn texture_bytes(
     let materials: BTreeSet<usize> = materials.iter().copied().flatten().collect();
     let mut images: BTreeMap<usize, u64> = BTreeMap::new();
     for material in materials {
-        let is_replaced = own.iter().any(|own| own.material == material);
+        let own = own.iter().filter(|own| own.material == material);
+        let replaced: Vec<Option<usize>> = own.map(|own| own.image).collect();
         for image in document.images_of_material(material) {
-            if image.is_base_color && is_replaced {
+            let place = (!image.is_base_color).then_some(image.image);
+            if replaced.contains(&place) {
                 continue;
             }
             let bytes = match image.is_in_blocks {

@@ -62,11 +62,14 @@ pub enum LevelContent<'a> {
     Surface(&'a Surface),
 }
 
-/// A base colour texture of a level's own.
+/// A texture of a level's own.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LevelTexture {
     /// The number of the material that shows it.
     pub material: usize,
+    /// The image of the file that it takes the place of wherever the material shows that, but as its base colour; the base
+    /// colour where there is none.
+    pub image: Option<usize>,
     /// Its texels and its sampler; a PNG image in the file.
     pub texture: Arc<Texture>,
     /// Whether the material's sampler stays instead.
@@ -89,7 +92,7 @@ pub struct Level<'a> {
     /// level takes over, or nothing is drawn any more after the last one, which
     /// therefore should have 0.
     pub facts: Map<String, Value>,
-    /// What its materials show instead of the tree's base colour textures; all else of them stays.
+    /// What its materials show instead of the tree's textures; all else of them stays.
     pub textures: &'a [LevelTexture],
     /// Where its vertices go on the way to the next level: the attribute [`MORPH`]. A level of copied nodes, or with
     /// bones, is written without.
@@ -127,7 +130,7 @@ impl<'a> Level<'a> {
         }
     }
 
-    /// With base colour textures of its own.
+    /// With textures of its own.
     pub fn with_textures(self, textures: &'a [LevelTexture]) -> Self {
         Self { textures, ..self }
     }

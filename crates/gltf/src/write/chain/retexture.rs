@@ -1,4 +1,4 @@
-//! Leaf textures of a level's own, where it has some.
+//! Textures of a level's own, where it has some.
 //!
 //! What only levels with textures of their own use is replaced under its number, so that nothing
 //! is left that nobody needs; else a copy with the new texture goes to the end of the list.
@@ -19,6 +19,7 @@ use super::super::references::{as_index, items, knows_all_extensions};
 use super::materials::{meshes_below, visit_materials};
 use super::{Level, LevelTexture, undrawn_meshes};
 use crate::material::base_color_texture;
+use crate::surfaces::{for_each_texture, for_each_texture_info_mut};
 use secateur_model::{Mips, Texture};
 
 /// Gives each level the textures that it brings along. `copies` are the materials that took the place
@@ -37,15 +38,19 @@ pub(super) fn retexture(
     for ((level, &node), copies) in levels.iter().zip(nodes).zip(copies) {
         let meshes = meshes_below(&draft.root, node);
         let mut made: HashMap<usize, usize> = HashMap::new();
+        let mut by_material: BTreeMap<usize, Vec<&LevelTexture>> = BTreeMap::new();
         for own in level.textures {
-            let material = *copies.get(&own.material).unwrap_or(&own.material);
+            by_material.entry(own.material).or_default().push(own);
+        }
+        for (material, own) in by_material {
+            let material = *copies.get(&material).unwrap_or(&material);
             let all = users(&mut draft.root, material, |mesh| !undrawn.contains(&mesh));
             let ours = users(&mut draft.root, material, |mesh| meshes.contains(&mesh));
             if ours == 0 {
                 continue;
             }
             let is_alone = all == ours && knows_all_extensions(&draft.root);
-            if let Some(retextured) = push_material(draft, &mut images, material, own, is_alone) {
+            if let Some(retextured) = push_material(draft, &mut images, material, &own, is_alone) {
                 made.insert(material, retextured);
             }
         }
@@ -73,27 +78,67 @@ fn users(root: &mut Value, material: usize, counts: impl Fn(usize) -> bool) -> u
     count
 }
 
-/// The material with its new base colour texture, under its own number if nobody else uses it.
+/// The material with its new textures, under its own number if nobody else uses it; nothing where it shows none that they
+/// could take the place of.
 fn push_material(
     draft: &mut Draft,
     images: &mut Images,
     material: usize,
-    own: &LevelTexture,
+    own: &[&LevelTexture],
     is_alone: bool,
 ) -> Option<usize> {
     let mut fields = draft.root.get("materials")?.get(material)?.clone();
-    let old = base_color_texture(&fields)?
-        .get("index")
-        .and_then(as_index)?;
-    let is_only_user = is_alone && texture_users(&draft.root, old) == 1;
-    let texture = push_texture(draft, images, old, own, is_only_user);
-    let info = base_color_texture_mut(&mut fields)?;
-    info["index"] = texture.into();
+    let mut is_changed = false;
+    for own in own {
+        let users = users_of(&fields, &draft.root, own.image);
+        for (old, users) in users {
+            let is_only_user = is_alone && texture_users(&draft.root, old) == users;
+            let texture = push_texture(draft, images, old, own, is_only_user);
+            show_instead(&mut fields, own.image.is_none(), (old, texture));
+            is_changed = true;
+        }
+    }
+    if !is_changed {
+        return None;
+    }
     if !is_alone {
         return Some(draft.push("materials", fields));
     }
     draft.root["materials"][material] = fields;
     Some(material)
+}
+
+/// The textures of a material that show this image, each with how many places name it; of no image that of the base
+/// colour.
+fn users_of(fields: &Value, root: &Value, image: Option<usize>) -> BTreeMap<usize, usize> {
+    let base = base_color_texture(fields);
+    let base = base.and_then(|info| info.get("index").and_then(as_index));
+    let Some(image) = image else {
+        return base.into_iter().map(|texture| (texture, 1)).collect();
+    };
+    let mut users = BTreeMap::new();
+    for_each_texture(fields, &mut |texture| {
+        let shows = |fields: &Value| sources(fields).contains(&image);
+        if Some(texture) != base && root["textures"].get(texture).is_some_and(shows) {
+            *users.entry(texture).or_insert(0) += 1;
+        }
+    });
+    users
+}
+
+/// Has a material show one texture in place of another: as its base colour, or wherever it names that.
+fn show_instead(fields: &mut Value, is_base_color: bool, (old, new): (usize, usize)) {
+    if is_base_color {
+        if let Some(info) = base_color_texture_mut(fields) {
+            info["index"] = new.into();
+        }
+        return;
+    }
+    for_each_texture_info_mut(fields, &mut |_, info| {
+        if info.get("index").and_then(as_index) == Some(old) {
+            info["index"] = new.into();
+        }
+    });
 }
 
 fn push_texture(

@@ -143,6 +143,7 @@ fn levels_that_keep_their_cards_keep_their_looks_beside_others() {
         filters: Filters::default(),
     };
     let own = [LevelTexture {
+        image: None,
         keeps_sampler: false,
         material: 1,
         texture: Arc::new(texture),

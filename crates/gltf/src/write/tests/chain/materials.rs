@@ -2,6 +2,7 @@
 
 use super::fixtures::*;
 use super::*;
+use crate::TexelContent;
 use crate::write::tests::texels::with_webp_beside;
 
 #[test]
@@ -55,6 +56,7 @@ fn a_picture_is_the_last_level_in_every_layout() {
 /// A texture of 2 x 2 texels of this colour, with a sampler of its own.
 fn own_texture(color: [u8; 4], mips: Mips) -> LevelTexture {
     LevelTexture {
+        image: None,
         keeps_sampler: false,
         material: 1,
         texture: Arc::new(Texture {
@@ -89,6 +91,7 @@ fn levels_keep_the_sampler_where_that_is_asked_for() {
     let plain = fixture.tree();
     let beside = with_webp_beside(fixture).tree();
     let own = [LevelTexture {
+        image: None,
         keeps_sampler: true,
         ..own_texture([90, 80, 10, 255], Mips::None)
     }];
@@ -118,6 +121,62 @@ fn levels_keep_the_sampler_where_that_is_asked_for() {
             assert_eq!(document.images_of_material(material)[0].size, [2, 2]);
         }
     }
+}
+
+/// A normal map, and an image that is both roughness and occlusion: a level has others in their places, and its base
+/// colour stays. Nothing is left of what nobody shows.
+#[test]
+fn levels_have_other_images_beside_the_base_colour() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut files = Vec::new();
+    let mut fixture = encodings::textured();
+    for number in [1, 2] {
+        let image = fixture.root["images"][0].clone();
+        fixture.root["images"].as_array_mut().unwrap().push(image);
+        let textures = fixture.root["textures"].as_array_mut().unwrap();
+        textures.push(json!({"source": number}));
+    }
+    let material = &mut fixture.root["materials"][1];
+    material["normalTexture"] = json!({"index": 1});
+    material["occlusionTexture"] = json!({"index": 2});
+    material["pbrMetallicRoughness"]["metallicRoughnessTexture"] = json!({"index": 2});
+    let tree = fixture.tree();
+    let lods = lods(&tree);
+    let of_image = |image: usize| LevelTexture {
+        image: Some(image),
+        keeps_sampler: true,
+        ..own_texture([128, 128, 255, 255], Mips::None)
+    };
+    let own = [of_image(1), of_image(2)];
+    for layout in LAYOUTS {
+        let mut levels = levels(&lods);
+        for level in &mut levels[1..] {
+            level.textures = &own;
+        }
+        let chain = tree.chain_to_bytes("oak", &levels, layout).unwrap();
+        for number in 0..levels.len() {
+            let file = if layout == Layout::Files { number } else { 0 };
+            let document = document(&chain, file);
+            let material = leaf_material(&document, number);
+            let images = document.images_of_material(material);
+            assert_eq!(images.len(), 4, "{layout:?}");
+            for image in images {
+                let expected = match image.is_base_color || number == 0 {
+                    true => [1, 1],
+                    false => [2, 2],
+                };
+                assert_eq!(image.size, expected, "{layout:?}, level {number}");
+                let has_colors = image.content == TexelContent::Colors;
+                assert_eq!(has_colors, image.is_base_color);
+            }
+            if layout == Layout::Files {
+                let count = document.root["images"].as_array().unwrap().len();
+                assert_eq!(count, 3, "level {number}");
+            }
+        }
+        files.extend(written(&chain, folder.path(), &format!("{layout:?}")));
+    }
+    assert_valid(&files);
 }
 
 /// Leaf textures differ by level; what nobody needs any more is gone, and all else of the material

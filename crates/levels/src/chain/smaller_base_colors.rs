@@ -1,26 +1,21 @@
-//! Textures without holes, as small as the distance of a level lets them be.
+//! Base colours that no test cuts out, as small as the distance of a level lets them be.
 
 use std::sync::Arc;
 
-use glam::Vec3;
-use secateur_eval::{color_of, srgb_byte};
 use secateur_gltf::Document;
 use secateur_gltf::chain::LevelTexture;
 use secateur_model::{AlphaMode, Material, Surface, Texture};
 
-use super::leaf_texture::{Seen, covered, side_for};
+use super::leaf_texture::Seen;
 use super::level_surfaces::LevelSurfaces;
+use super::smaller_images::{Means, reduced, size_seen};
 
 /// Texels along a pixel where a level begins: parts of a plant have more or fewer than the mean.
 const TEXELS_A_PIXEL: f64 = 2.0;
 
-/// Another texture has at most this share of the texels: a photograph as JPEG takes fewer bytes than a PNG of half as
-/// many texels.
-const MOST_TEXELS: f64 = 1.0 / 16.0;
-
-/// Smaller base colour textures for the opaque materials of a level, where a unit of length is `pixels` pixels: for those
+/// Smaller base colour textures for the materials of a level that are opaque or blend, where a unit of length is `pixels` pixels: for those
 /// whose textures have far more texels than are seen.
-pub(super) fn smaller_opaque_textures(
+pub(super) fn smaller_base_colors(
     level: &LevelSurfaces,
     document: &Document,
     pixels: f64,
@@ -30,6 +25,7 @@ pub(super) fn smaller_opaque_textures(
         let shows_base_color = shows_base_color(document, material, look);
         let original = look.texture.as_ref().filter(|_| shows_base_color)?;
         Some(LevelTexture {
+            image: None,
             material,
             texture: Arc::new(smaller(original, &surfaces, pixels)?),
             keeps_sampler: true,
@@ -42,51 +38,23 @@ pub(super) fn smaller_opaque_textures(
         .collect()
 }
 
-/// Whether an opaque material shows its base colour texture, and that image nowhere else: not an emission, for one.
+/// Whether a material that is opaque or blends shows its base colour texture, and that image nowhere else: not an emission, for one.
 fn shows_base_color(document: &Document, material: usize, look: &Material) -> bool {
     let images = document.images_of_material(material);
     let base_colors = images.iter().filter(|image| image.is_base_color);
     let is_plain = !look.finish.is_unlit || images.len() == 1;
-    look.alpha_mode == AlphaMode::Opaque && base_colors.count() == 1 && is_plain
+    let is_cut_out = matches!(look.alpha_mode, AlphaMode::Mask(_));
+    !is_cut_out && base_colors.count() == 1 && is_plain
 }
 
 fn smaller(original: &Texture, surfaces: &[&Surface], pixels: f64) -> Option<Texture> {
-    let texels = Seen::of(surfaces)?.texels_a_pixel(original, pixels) / TEXELS_A_PIXEL;
     let sides = [original.width, original.height];
-    let size = sides.map(|side| side_for(side, texels));
-    let count = |[width, height]: [u32; 2]| f64::from(width) * f64::from(height);
-    (count(size) <= MOST_TEXELS * count(sides)).then(|| means(original, size))
-}
-
-/// The texture reduced to this width and height in texels: each texel is the mean of what it covers, in linear light.
-fn means(original: &Texture, [width, height]: [u32; 2]) -> Texture {
-    let columns: Vec<_> = (0..width)
-        .map(|x| covered(x, width, original.width))
-        .collect();
-    let mut rgba = Vec::new();
-    for y in 0..height {
-        let rows = covered(y, height, original.height);
-        for columns in &columns {
-            let (mut sum, mut all) = (Vec3::ZERO, 0.0);
-            for &(row, of_row) in &rows {
-                for &(column, of_column) in columns {
-                    let index = row as usize * original.width as usize + column as usize;
-                    let share = of_row * of_column;
-                    sum += color_of(original, 4 * index).truncate() * share;
-                    all += share;
-                }
-            }
-            rgba.extend((sum / all).to_array().map(srgb_byte));
-            rgba.push(u8::MAX);
-        }
-    }
-    Texture {
-        width,
-        height,
-        rgba,
-        wrap: original.wrap,
-        filters: original.filters,
-    }
+    let size = size_seen(&Seen::of(surfaces)?, sides, TEXELS_A_PIXEL * pixels)?;
+    let means = match surfaces.first()?.material.alpha_mode {
+        AlphaMode::Blend => Means::OfSeenColors,
+        AlphaMode::Opaque | AlphaMode::Mask(_) => Means::OfColors,
+    };
+    Some(reduced(original, size, means))
 }
 
 #[cfg(test)]
@@ -145,7 +113,7 @@ mod tests {
     /// The emission of a black scan is drawn as its colour: the base colour must not become that. Cut-out materials are
     /// fitted elsewhere.
     #[test]
-    fn only_opaque_base_colours_get_smaller() {
+    fn only_base_colours_that_no_test_cuts_out_get_smaller() {
         let gltf = serde_json::json!({
             "asset": { "version": "2.0" },
             "images": [{ "uri": TEXEL }, { "uri": TEXEL }],
@@ -171,7 +139,7 @@ mod tests {
             shows_base_color(&document, material, &look(is_unlit, alpha_mode))
         };
         assert!(shows(0, false, AlphaMode::Opaque) && shows(0, true, AlphaMode::Opaque));
-        assert!(!shows(0, false, AlphaMode::Mask(0.5)));
+        assert!(!shows(0, false, AlphaMode::Mask(0.5)) && shows(0, false, AlphaMode::Blend));
         assert!(!shows(1, true, AlphaMode::Opaque));
         // Emissions are drawn without light.
         assert!(!shows(2, true, AlphaMode::Opaque) && shows(2, false, AlphaMode::Opaque));
