@@ -134,11 +134,20 @@ impl Maker<'_> {
         }
         if !place.is_first && self.options.textures == Textures::Fit {
             let pixels = client.pixels_a_unit(range[0]);
+            // Pictures of a few pixels are looked at in full as soon as in a search.
+            let is_within = |surfaces: &[Surface]| {
+                let over = || {
+                    self.look
+                        .difference(surfaces, range[0])
+                        .over(self.look.limits)
+                };
+                !is_beyond(surfaces) || range[0] <= FAR_PX && over() <= 1.0
+            };
             let smaller = FINER.iter().find_map(|finer| {
                 let smaller =
                     self.with_smaller_base_colors(level, &chosen.textures, finer * pixels);
                 let dressed = smaller.map(|textures| (retextured(level, &textures), textures));
-                dressed.filter(|(dressed, _)| !is_beyond(dressed))
+                dressed.filter(|(dressed, _)| is_within(dressed))
             });
             if let Some((dressed, textures)) = smaller {
                 (surfaces, chosen.textures) = (dressed, textures);
