@@ -55,18 +55,28 @@ impl Maker<'_> {
 
     /// The cost of a mesh, or of the plant itself where no mesh stands.
     pub(super) fn cost_beside(&self, mesh: Option<&Placed>) -> f64 {
-        let document = self.tree.items().document();
-        let (level, triangles, own) = match mesh {
-            Some(mesh) => (
-                &mesh.made.drawn.level,
-                mesh.triangles(),
-                &mesh.chosen.textures[..],
-            ),
-            None => (&self.look.original, self.all, &[][..]),
-        };
-        let textures = texture_bytes(document, &level.materials, own);
+        let level = mesh.map_or(&self.look.original, |mesh| &mesh.made.drawn.level);
+        let triangles = self.triangles_beside(mesh.map(|mesh| &mesh.made));
+        let textures = self.texture_bytes_beside(mesh);
         let parts = LevelParts::before_writing(triangles, level.draws(), textures);
         self.options.cost.cost(parts)
+    }
+
+    /// Bytes of the textures of a mesh, or of the plant itself, on the GPU.
+    fn texture_bytes_beside(&self, mesh: Option<&Placed>) -> u64 {
+        let (level, own) = match mesh {
+            Some(mesh) => (&mesh.made.drawn.level, &mesh.chosen.textures[..]),
+            None => (&self.look.original, &[][..]),
+        };
+        texture_bytes(self.tree.items().document(), &level.materials, own)
+    }
+
+    /// Whether an impostor has more triangles than a mesh, or the plant itself, and saves no textures: all that it could
+    /// save is draws.
+    pub(super) fn is_more_than(&self, impostor: &Impostor, mesh: Option<&Placed>) -> bool {
+        let triangles = impostor.surface.triangles.len();
+        triangles > self.triangles_beside(mesh.map(|mesh| &mesh.made))
+            && impostor.texture_bytes() >= self.texture_bytes_beside(mesh)
     }
 
     /// The cost of an impostor.
@@ -91,7 +101,7 @@ impl Maker<'_> {
     }
 
     /// Cards from the first of some of these heights on at which some are within the difference, there and at all that
-    /// follow, save a third of the cost of the mesh there, have no more triangles than it, and cost no more than the lightest; and fewer of them from
+    /// follow, save a third of the cost of the mesh there, and triangles or textures, and cost no more than the lightest; and fewer of them from
     /// each that follows where that saves a third again. Their normals have half as many texels a side where these do
     /// as well. Where the plant is far, they have no more triangles than it covers pixels, if no mesh that begins there has
     /// more.
@@ -120,9 +130,12 @@ impl Maker<'_> {
                     lightest.min(MOST_OF_BEFORE * there)
                 }
             };
-            let beside = drawn_at(placed, *height).map(|mesh| &mesh.made);
-            let of_mesh = self.triangles_beside(beside) as f64;
-            let mut most_triangles = self.triangles_for(most_cost).min(of_mesh);
+            let beside = drawn_at(placed, *height);
+            let mut most_triangles = self.triangles_for(most_cost);
+            if self.texture_bytes_beside(beside) == 0 {
+                let of_mesh = self.triangles_beside(beside.map(|mesh| &mesh.made));
+                most_triangles = most_triangles.min(of_mesh as f64);
+            }
             if *height <= FAR_PX {
                 let covered = self.look.covered_px(*height);
                 let of_mesh = placed.iter().find(|mesh| mesh.begins() == *height);
@@ -149,7 +162,8 @@ impl Maker<'_> {
                 Some(half) if seen.is_within(&half.impostor) && does(&half)? => half,
                 _ => found,
             };
-            if self.cost_of_impostor(&found.impostor) > most_cost {
+            let costs_more = self.cost_of_impostor(&found.impostor) > most_cost;
+            if costs_more || self.is_more_than(&found.impostor, beside) {
                 continue;
             }
             let bytes = found.impostor.texture_bytes();

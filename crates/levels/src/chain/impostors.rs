@@ -185,7 +185,7 @@ impl Maker<'_> {
         };
         let difference = seen.difference(&impostor);
         let triangles = impostor.surface.triangles.len();
-        let is_light = triangles <= mesh_triangles
+        let is_light = !self.is_more_than(&impostor, mesh)
             && self.cost_of_impostor(&impostor) < self.cost_beside(mesh);
         let does = is_light && difference.over(self.look.limits_of_impostors) <= 1.0;
         let mut same_cost = None;
