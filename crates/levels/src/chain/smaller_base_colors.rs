@@ -51,8 +51,8 @@ fn smaller(original: &Texture, surfaces: &[&Surface], pixels: f64) -> Option<Tex
     let sides = [original.width, original.height];
     let size = size_seen(&Seen::of(surfaces)?, sides, TEXELS_A_PIXEL * pixels)?;
     let means = match surfaces.first()?.material.alpha_mode {
-        AlphaMode::Blend => Means::OfSeenColors,
-        AlphaMode::Opaque | AlphaMode::Mask(_) => Means::OfColors,
+        AlphaMode::Blend => Means::SeenColors,
+        AlphaMode::Opaque | AlphaMode::Mask(_) => Means::Colors,
     };
     Some(reduced(original, size, means))
 }

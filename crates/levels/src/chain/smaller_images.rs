@@ -26,21 +26,21 @@ const MOST_TEXELS: f64 = 1.0 / 16.0;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Means {
     /// Colours in linear light, as if all were opaque.
-    OfColors,
+    Colors,
     /// Colours in linear light, each as much as it is seen, and the mean of alpha.
-    OfSeenColors,
+    SeenColors,
     /// Directions, which stay of unit length.
-    OfNormals,
+    Normals,
     /// Bytes.
-    OfNumbers,
+    Numbers,
 }
 
 impl From<TexelContent> for Means {
     fn from(content: TexelContent) -> Self {
         match content {
-            TexelContent::Colors => Self::OfColors,
-            TexelContent::Normals => Self::OfNormals,
-            TexelContent::Numbers => Self::OfNumbers,
+            TexelContent::Colors => Self::Colors,
+            TexelContent::Normals => Self::Normals,
+            TexelContent::Numbers => Self::Numbers,
         }
     }
 }
@@ -133,13 +133,13 @@ pub(super) fn size_seen(seen: &Seen, sides: [u32; 2], texels_a_unit: f64) -> Opt
 pub(super) fn reduced(original: &Texture, [width, height]: [u32; 2], means: Means) -> Texture {
     let number = |index: usize| Vec4::from_array(bytes_at(original, index).map(f32::from));
     let value = |index: usize| match means {
-        Means::OfColors => color_of(original, index).with_w(1.0),
-        Means::OfSeenColors => {
+        Means::Colors => color_of(original, index).with_w(1.0),
+        Means::SeenColors => {
             let color = color_of(original, index);
             (color.truncate() * color.w).extend(color.w)
         }
-        Means::OfNormals => number(index) / 127.5 - 1.0,
-        Means::OfNumbers => number(index) / 255.0,
+        Means::Normals => number(index) / 127.5 - 1.0,
+        Means::Numbers => number(index) / 255.0,
     };
     let columns: Vec<_> = (0..width)
         .map(|x| covered(x, width, original.width))
@@ -178,16 +178,16 @@ fn texel_of(mean: Vec4, means: Means) -> [u8; 4] {
     let byte = |value: f32| (255.0 * value).round() as u8;
     let rgb = mean.truncate();
     let (rgb, alpha) = match means {
-        Means::OfColors => (rgb.to_array().map(srgb_byte), u8::MAX),
-        Means::OfSeenColors => {
+        Means::Colors => (rgb.to_array().map(srgb_byte), u8::MAX),
+        Means::SeenColors => {
             let seen = rgb / mean.w.max(f32::MIN_POSITIVE);
             (seen.to_array().map(srgb_byte), byte(mean.w))
         }
-        Means::OfNormals => {
+        Means::Normals => {
             let direction = rgb.normalize_or(Vec3::Z);
             (((direction + 1.0) / 2.0).to_array().map(byte), u8::MAX)
         }
-        Means::OfNumbers => (rgb.to_array().map(byte), byte(mean.w)),
+        Means::Numbers => (rgb.to_array().map(byte), byte(mean.w)),
     };
     [rgb[0], rgb[1], rgb[2], alpha]
 }
@@ -216,12 +216,12 @@ mod tests {
     fn texels_are_means_of_what_they_are() {
         let mean = |texels: [[u8; 4]; 2], means| reduced(&texture(&texels), [1, 1], means).rgba;
         let grey = [[0, 0, 0, 0], [255, 255, 255, 255]];
-        assert_eq!(mean(grey, Means::OfColors), [188, 188, 188, 255]);
-        assert_eq!(mean(grey, Means::OfSeenColors), [255, 255, 255, 128]);
-        assert_eq!(mean(grey, Means::OfNumbers), [128, 128, 128, 128]);
+        assert_eq!(mean(grey, Means::Colors), [188, 188, 188, 255]);
+        assert_eq!(mean(grey, Means::SeenColors), [255, 255, 255, 128]);
+        assert_eq!(mean(grey, Means::Numbers), [128, 128, 128, 128]);
         // Along x and along y: between them, as long as either.
         let ways = [[255, 128, 128, 255], [128, 255, 128, 255]];
-        assert_eq!(mean(ways, Means::OfNormals), [218, 218, 128, 255]);
+        assert_eq!(mean(ways, Means::Normals), [218, 218, 128, 255]);
     }
 
     /// A square of side 1 with a normal map of 256 x 128 texels: 40 pixels need 64 x 32 of them, and 600 pixels all.
