@@ -5,7 +5,7 @@ use std::collections::{BTreeSet, HashSet};
 use serde_json::Value;
 
 use super::Document;
-use super::surfaces::for_each_texture;
+use super::material_images::for_each_texture;
 
 /// The extension by which one node draws many times.
 const INSTANCING: &str = "EXT_mesh_gpu_instancing";

@@ -26,7 +26,7 @@ struct Drawn {
     node: usize,
     /// The lowest corner of its box, in world space.
     min: DVec3,
-    /// The highest one.
+    /// The highest corner of its box, in world space.
     max: DVec3,
     triangles: u64,
     materials: BTreeSet<Option<u64>>,

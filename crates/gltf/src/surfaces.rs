@@ -3,18 +3,17 @@
 use std::sync::Arc;
 
 use glam::{DMat3, DMat4, DVec2, DVec3, Vec2, Vec3, Vec4};
-use serde_json::Value;
 
 use super::accessor::Shape;
 use super::choice;
 use super::error::{ALLOW_MORE, At, Fault, Problem};
-use super::material::{TextureUse, base_color_texture};
+use super::material::TextureUse;
 use super::parts::{Part, check_limit};
-use super::picture::{Decoded, Pictures};
+use super::picture::Pictures;
 use super::role_groups::Judged;
 use super::survey::{Group, Survey};
 use super::{Document, GltfError, Selector, Tree};
-use secateur_model::{Filters, Finish, Hold, Material, Mips, NormalMap, Surface, Texture, Wrap};
+use secateur_model::{Finish, Hold, Material, NormalMap, Surface, Texture};
 
 /// The most triangles that surfaces are made of, every instance counted.
 const MAX_TRIANGLES: u64 = 16 << 20;
@@ -55,145 +54,7 @@ pub struct DrawnSurface {
     pub place: String,
 }
 
-/// An image that a material uses, decoded.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub struct MaterialImage {
-    /// Its number in the file.
-    pub image: usize,
-    /// Width and height in texels.
-    pub size: [u32; 2],
-    /// Whether it is stored in blocks of 4 x 4 texels (KTX2), as a GPU keeps it: 16 bytes each.
-    pub is_in_blocks: bool,
-    /// Whether the sampler reads mip maps.
-    pub has_mips: bool,
-    /// Whether it is the base colour.
-    pub is_base_color: bool,
-    /// Whether it lies on the surface as the base colour does: by the same texture coordinates.
-    pub lies_as_base_color: bool,
-    /// What its texels are.
-    pub content: TexelContent,
-}
-
-/// What the texels of an image are, by the place that a material has for it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum TexelContent {
-    /// Colours, in sRGB.
-    Colors,
-    /// Directions in tangent space: of each colour 0 to 255 for -1 to 1.
-    Normals,
-    /// Numbers, such as roughness and occlusion.
-    Numbers,
-}
-
-impl TexelContent {
-    /// As the name of a texture in a material has it, such as `normalTexture`.
-    fn of(name: &str) -> Self {
-        let name = name.to_ascii_lowercase();
-        let is_color = ["color", "emissive", "diffuse", "specularglossiness"];
-        match is_color.iter().any(|word| name.contains(word)) {
-            true => Self::Colors,
-            false if name.ends_with("normaltexture") => Self::Normals,
-            false => Self::Numbers,
-        }
-    }
-}
-
-/// Calls `see` with the number of each texture that a material names, in extensions too.
-pub(crate) fn for_each_texture(material: &Value, see: &mut dyn FnMut(usize)) {
-    for_each_texture_info(material, &mut |_, info| {
-        let index = info.get("index").and_then(Value::as_u64);
-        see(index.map_or(usize::MAX, |index| {
-            usize::try_from(index).unwrap_or(usize::MAX)
-        }));
-    });
-}
-
-/// Calls `see` with each place of a material that names a texture, in extensions too: what it is called, and its JSON.
-fn for_each_texture_info(material: &Value, see: &mut dyn FnMut(&str, &Value)) {
-    for (name, value) in material.as_object().into_iter().flatten() {
-        if name == "extras" {
-            continue;
-        }
-        if name.ends_with("Texture") && value.get("index").is_some_and(Value::is_u64) {
-            see(name, value);
-        }
-        for_each_texture_info(value, see);
-    }
-}
-
-/// As [`for_each_texture_info`], of JSON that is changed.
-pub(crate) fn for_each_texture_info_mut(
-    material: &mut Value,
-    change: &mut dyn FnMut(&str, &mut Value),
-) {
-    for (name, value) in material.as_object_mut().into_iter().flatten() {
-        if name == "extras" {
-            continue;
-        }
-        if name.ends_with("Texture") && value.get("index").is_some_and(Value::is_u64) {
-            change(name, value);
-        }
-        for_each_texture_info_mut(value, change);
-    }
-}
-
 impl Document {
-    /// The images of a material; those that can't be decoded are left out.
-    pub fn images_of_material(&self, material: usize) -> Vec<MaterialImage> {
-        let materials = self.root.get("materials");
-        let Some(fields) = materials.and_then(|all| all.get(material)) else {
-            return Vec::new();
-        };
-        let base = base_color_texture(fields);
-        let used_by_base = base.and_then(|info| self.texture_use(info).ok());
-        let mut images = Vec::new();
-        for_each_texture_info(fields, &mut |name, info| {
-            let Ok(used) = self.texture_use(info) else {
-                return;
-            };
-            let size = used.image.and_then(|image| self.image_size(image));
-            if let (Some(image), Some(size)) = (used.image, size) {
-                images.push(MaterialImage {
-                    image,
-                    size,
-                    is_in_blocks: self.is_ktx2(image),
-                    has_mips: used.filters.mips != Mips::None,
-                    is_base_color: base.is_some_and(|base| base.get("index") == info.get("index")),
-                    lies_as_base_color: used_by_base.is_some_and(|base| base.is_placed_as(&used)),
-                    content: TexelContent::of(name),
-                });
-            }
-        });
-        images
-    }
-
-    /// The texels of an image, as they are in the file; nothing where it can't be decoded, or takes more memory than
-    /// there is.
-    pub fn image_texels(&self, image: usize) -> Option<Texture> {
-        let mut pictures = Pictures::new(self, self.budget);
-        let Ok(Decoded::Picture(picture)) = pictures.decoded_once(image) else {
-            return None;
-        };
-        Some(Texture {
-            width: picture.image.width(),
-            height: picture.image.height(),
-            rgba: picture.image.as_raw().clone(),
-            wrap: [Wrap::Repeat; 2],
-            filters: Filters::default(),
-        })
-    }
-
-    fn is_ktx2(&self, image: usize) -> bool {
-        let image = self.root.get("images").and_then(|all| all.get(image));
-        let text = |key| {
-            image
-                .and_then(|image| image.get(key)?.as_str())
-                .unwrap_or("")
-        };
-        text("mimeType") == "image/ktx2" || text("uri").to_ascii_lowercase().ends_with(".ktx2")
-    }
-
     /// Everything of the plant, as textured triangles in world space: a
     /// surface for each primitive, all its instances in it, with whether it is
     /// foliage (as the selectors say or the evidence shows; nothing is, where

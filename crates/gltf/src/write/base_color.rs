@@ -7,7 +7,7 @@ use super::drop_unreferenced::drop_extension;
 use super::plant::png_bytes;
 use super::references::as_index;
 use crate::material::{base_color_pointer, base_color_texture};
-use crate::surfaces::for_each_texture;
+use crate::material_images::for_each_texture;
 use secateur_model::Texture;
 
 /// Whether the JSON of an object is of a format.

@@ -8,7 +8,7 @@ use serde_json::{Map, Value, json};
 use super::references::{as_index, items};
 use crate::container::glb_bytes;
 use crate::error::{At, Fault, Problem};
-use crate::surfaces::for_each_texture;
+use crate::material_images::for_each_texture;
 use crate::write_problem::WriteProblem;
 use crate::{Document, GltfError, property};
 

@@ -31,7 +31,7 @@ pub(super) enum Means {
     SeenColors,
     /// Directions, which stay of unit length.
     Normals,
-    /// Bytes.
+    /// Numbers of 0 to 255, each channel by itself.
     Numbers,
 }
 
@@ -120,8 +120,8 @@ impl SmallerImages {
     }
 }
 
-/// Width and height of a texture of this size, reduced to what is seen of it where a unit of length has so many texels;
-/// nothing where that saves little.
+/// Width and height in texels of an image, at first `sides`, reduced to `texels_a_unit` texels for each unit of length of
+/// the surfaces; nothing where that saves little.
 pub(super) fn size_seen(seen: &Seen, sides: [u32; 2], texels_a_unit: f64) -> Option<[u32; 2]> {
     let texels = seen.texels_a_pixel(sides, texels_a_unit);
     let size = sides.map(|side| side_for(side, texels));

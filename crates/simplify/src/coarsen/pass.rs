@@ -11,7 +11,7 @@ impl LeafTriangles {
     /// level keep theirs, which do not count.
     ///
     /// # Errors
-    /// Errors of `find`.
+    /// As `find`, where curves are not known yet.
     pub(crate) fn shares(
         self,
         foliage: &Foliage,

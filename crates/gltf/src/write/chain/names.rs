@@ -11,7 +11,7 @@ use super::super::references::as_index;
 use super::materials::{meshes_below, visit_materials};
 use super::{Level, LevelContent};
 use crate::level_names::{of_unnamed_material, with_level};
-use crate::surfaces::for_each_texture;
+use crate::material_images::for_each_texture;
 use secateur_model::Lod;
 
 /// Numbers of one list of the file, each with the only owner that uses it; none where there are several.

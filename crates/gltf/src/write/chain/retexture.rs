@@ -19,7 +19,7 @@ use super::super::references::{as_index, items, knows_all_extensions};
 use super::materials::{meshes_below, visit_materials};
 use super::{Level, LevelTexture, undrawn_meshes};
 use crate::material::base_color_texture;
-use crate::surfaces::{for_each_texture, for_each_texture_info_mut};
+use crate::material_images::{for_each_texture, rename_texture};
 use secateur_model::{Mips, Texture};
 
 /// Gives each level the textures that it brings along. `copies` are the materials that took the place
@@ -94,7 +94,10 @@ fn push_material(
         for (old, users) in users {
             let is_only_user = is_alone && texture_users(&draft.root, old) == users;
             let texture = push_texture(draft, images, old, own, is_only_user);
-            show_instead(&mut fields, own.image.is_none(), (old, texture));
+            match own.image {
+                None => base_color_texture_mut(&mut fields)?["index"] = texture.into(),
+                Some(_) => rename_texture(&mut fields, (old, texture)),
+            }
             is_changed = true;
         }
     }
@@ -124,21 +127,6 @@ fn users_of(fields: &Value, root: &Value, image: Option<usize>) -> BTreeMap<usiz
         }
     });
     users
-}
-
-/// Has a material show one texture in place of another: as its base colour, or wherever it names that.
-fn show_instead(fields: &mut Value, is_base_color: bool, (old, new): (usize, usize)) {
-    if is_base_color {
-        if let Some(info) = base_color_texture_mut(fields) {
-            info["index"] = new.into();
-        }
-        return;
-    }
-    for_each_texture_info_mut(fields, &mut |_, info| {
-        if info.get("index").and_then(as_index) == Some(old) {
-            info["index"] = new.into();
-        }
-    });
 }
 
 fn push_texture(
