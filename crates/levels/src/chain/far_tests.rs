@@ -4,8 +4,9 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use glam::DVec3;
+use secateur_gltf::chain::LevelTexture;
 use secateur_gltf::{Detail, Document, surfaces_to_glb};
-use secateur_model::{AlphaMode, Surface};
+use secateur_model::{AlphaMode, Filters, NormalMap, Surface, Texture, Wrap};
 use secateur_plant::{GrowOptions, Species};
 use secateur_raster::OpenEngine;
 
@@ -173,4 +174,56 @@ fn no_impostor_has_more_triangles_and_more_textures_than_the_plant() {
     let made = chain(&tree, &options, &OpenEngine::cpu(), &mut go_on).unwrap();
     let triangles = made.levels.iter().map(|level| level.triangles);
     assert_eq!(triangles.max(), Some(16));
+}
+
+/// The first level keeps the normal map of its bark, as it is seen from near by; one of few pixels gets a smaller one, and
+/// takes less memory.
+#[test]
+fn far_levels_have_small_normal_maps() {
+    const SIDE: u32 = 256;
+    let oak = grown(Species::Oak, 120);
+    let drawn = oak.items().drawn(Detail::Color).unwrap().into_iter();
+    let bent = drawn.map(|drawn| {
+        let mut surface = drawn.surface;
+        if !drawn.is_foliage {
+            let texture = Texture {
+                width: SIDE,
+                height: SIDE,
+                rgba: [128, 128, 255, 255].repeat((SIDE * SIDE) as usize),
+                wrap: [Wrap::Repeat; 2],
+                filters: Filters::default(),
+            };
+            let map = NormalMap {
+                texture: Arc::new(texture),
+                scale: 1.0,
+            };
+            Arc::make_mut(&mut surface.material).finish.normal_map = Some(map);
+        }
+        (surface, drawn.is_foliage)
+    });
+    let glb = surfaces_to_glb("oak", &bent.collect::<Vec<_>>());
+    let document = Document::from_bytes("oak.glb", glb, None).unwrap();
+    let tree = document.into_whole_tree(&[]).unwrap();
+    let options = ChainOptions {
+        impostor: Some(Choice::None),
+        ..far_options()
+    };
+    let made = chain(&tree, &options, &OpenEngine::cpu(), &mut go_on).unwrap();
+    let has_smaller = |level: &ChainLevel| {
+        let is_small = |own: &LevelTexture| own.image.is_some() && own.texture.width <= SIDE / 4;
+        level.textures.iter().any(is_small)
+    };
+    let [_, first, others @ ..] = &made.levels[..] else {
+        panic!("the plant and levels of it")
+    };
+    assert!(!has_smaller(first) && !others.is_empty());
+    assert!(others.iter().all(has_smaller));
+    let all = with_mips(SIDE);
+    assert!(first.texture_bytes >= all && others.iter().all(|level| level.texture_bytes < all));
+}
+
+/// Bytes of a square texture with all its mip maps on a GPU.
+fn with_mips(side: u32) -> u64 {
+    let sides = (0..=side.ilog2()).map(|level| u64::from(side >> level));
+    sides.map(|side| 4 * side * side).sum()
 }
