@@ -136,25 +136,20 @@ impl Maker<'_> {
             let pixels = client.pixels_a_unit(range[0]);
             // Pictures of a few pixels are looked at in full as soon as in a search.
             let is_within = |surfaces: &[Surface]| {
-                let over = || {
-                    self.look
-                        .difference(surfaces, range[0])
-                        .over(self.look.limits)
-                };
-                !is_beyond(surfaces) || range[0] <= FAR_PX && over() <= 1.0
+                let full = || self.look.difference(surfaces, range[0]);
+                !is_beyond(surfaces) || range[0] <= FAR_PX && full().over(self.look.limits) <= 1.0
             };
             let smaller = FINER.iter().find_map(|finer| {
-                let smaller =
-                    self.with_smaller_base_colors(level, &chosen.textures, finer * pixels);
-                let dressed = smaller.map(|textures| (retextured(level, &textures), textures));
-                dressed.filter(|(dressed, _)| is_within(dressed))
+                let own = self.smaller_base_colors(level, &chosen.textures, finer * pixels)?;
+                let dressed = retextured(level, &own);
+                is_within(&dressed).then_some((dressed, own))
             });
-            if let Some((dressed, textures)) = smaller {
-                (surfaces, chosen.textures) = (dressed, textures);
+            if let Some(smaller) = smaller {
+                (surfaces, chosen.textures) = smaller;
             }
             let document = self.tree.items().document();
-            let smaller = self.smaller_images.of(level, document, pixels);
-            chosen.textures.extend(smaller);
+            let maps = self.smaller_images.of(level, document, pixels);
+            chosen.textures.extend(maps);
         }
         Ok(Dressed {
             made,
@@ -165,7 +160,7 @@ impl Maker<'_> {
 
     /// These textures of a level with smaller base colours for what is not cut out, where a unit of length is `pixels`
     /// pixels; none where that saves nothing.
-    fn with_smaller_base_colors(
+    fn smaller_base_colors(
         &self,
         level: &LevelSurfaces,
         textures: &[LevelTexture],

@@ -10,7 +10,7 @@ use glam::{Vec3, Vec4};
 use secateur_eval::{color_of, srgb_byte};
 use secateur_gltf::chain::LevelTexture;
 use secateur_gltf::{Document, MaterialImage, TexelContent};
-use secateur_model::{Surface, Texture};
+use secateur_model::Texture;
 
 use super::leaf_texture::{Seen, covered, side_for};
 use super::level_surfaces::LevelSurfaces;
@@ -61,48 +61,28 @@ impl SmallerImages {
         document: &Document,
         pixels: f64,
     ) -> Vec<LevelTexture> {
-        let of_material = |(material, surfaces): (usize, Vec<&Surface>)| {
-            let images = document.images_of_material(material);
-            let is_base = |image: usize| {
-                let mut bases = images.iter().filter(|one| one.is_base_color);
-                bases.any(|base| base.image == image)
-            };
-            let others = images.iter().filter(|one| one.lies_as_base_color);
-            let mut others: Vec<_> = others.filter(|one| !is_base(one.image)).copied().collect();
-            others.sort_by_key(|one| one.image);
-            // What a material shows in two ways stays as it is.
-            let is_one_thing =
-                |alike: &&[MaterialImage]| alike.iter().all(|one| one.content == alike[0].content);
-            let others = others
-                .chunk_by(|a, b| a.image == b.image)
-                .filter(is_one_thing);
-            let others: Vec<MaterialImage> = others.map(|alike| alike[0]).collect();
-            let seen = match others.is_empty() {
+        let mut textures = Vec::new();
+        for (material, surfaces) in level.by_material() {
+            let maps = maps_of(document, material);
+            let seen = match maps.is_empty() {
                 true => None,
                 false => Seen::of(&surfaces),
             };
-            let texture = move |seen: &Seen, one: &MaterialImage| {
+            let Some(seen) = seen else { continue };
+            textures.extend(maps.iter().filter_map(|map| {
+                let size = size_seen(&seen, map.size, TEXELS_A_PIXEL * pixels)?;
                 Some(LevelTexture {
                     material,
-                    image: Some(one.image),
-                    texture: self.smaller(
-                        document,
-                        one,
-                        size_seen(seen, one.size, TEXELS_A_PIXEL * pixels)?,
-                    )?,
+                    image: Some(map.image),
+                    texture: self.smaller(document, map, size)?,
                     keeps_sampler: true,
                 })
-            };
-            let textures = others.iter().filter_map(|one| texture(seen.as_ref()?, one));
-            textures.collect::<Vec<_>>()
-        };
-        level
-            .by_material()
-            .into_iter()
-            .flat_map(of_material)
-            .collect()
+            }));
+        }
+        textures
     }
 
+    /// An image in this width and height in texels; nothing where it can't be decoded.
     fn smaller(
         &self,
         document: &Document,
@@ -118,6 +98,21 @@ impl SmallerImages {
         });
         made.clone()
     }
+}
+
+/// The images of a material beside its base colour that lie on it as that does, each once. What it shows in two ways is
+/// left out.
+fn maps_of(document: &Document, material: usize) -> Vec<MaterialImage> {
+    let mut images = document.images_of_material(material);
+    images.sort_by_key(|one| one.image);
+    let is_map = |alike: &&[MaterialImage]| {
+        let is_other = |one: &MaterialImage| one.lies_as_base_color && !one.is_base_color;
+        alike
+            .iter()
+            .all(|one| is_other(one) && one.content == alike[0].content)
+    };
+    let alike = images.chunk_by(|a, b| a.image == b.image);
+    alike.filter(is_map).map(|alike| alike[0]).collect()
 }
 
 /// Width and height in texels of an image, at first `sides`, reduced to `texels_a_unit` texels for each unit of length of
@@ -196,7 +191,7 @@ fn texel_of(mean: Vec4, means: Means) -> [u8; 4] {
 mod tests {
     use glam::{DVec3, Vec2};
     use secateur_gltf::{Detail, surfaces_to_glb};
-    use secateur_model::{AlphaMode, Filters, Finish, Material, NormalMap, Wrap};
+    use secateur_model::{AlphaMode, Filters, Finish, Material, NormalMap, Surface, Wrap};
 
     use super::*;
 
