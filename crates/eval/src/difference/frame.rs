@@ -10,7 +10,7 @@ use crate::camera::ViewAxes;
 use crate::lens::Lens;
 
 /// Longest side of a plant in pictures, in pixels.
-const MOST_SIDE_PX: f64 = 1024.0;
+pub(super) const MOST_SIDE_PX: f64 = 1024.0;
 
 /// Shortest longest side, in pixels: a block.
 const LEAST_SIDE_PX: f64 = 8.0;

@@ -52,6 +52,9 @@ const VIEWS: [[f64; 2]; 6] = [
 /// The views while searching: one level, one level from another side, and both raised ones.
 const SEARCH_VIEWS: [usize; 4] = [0, 3, 1, 5];
 
+/// How many of these a glance takes: one level, one level from another side.
+const GLANCE_VIEWS: usize = 2;
+
 /// Where eyes stand, in radii of the plant's bounding sphere.
 const RADII: f64 = 3.0;
 
@@ -176,6 +179,8 @@ impl Limits {
 /// From how many views a level is judged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum ViewCount {
+    /// Two, to learn how much more large pictures show.
+    Glance,
     /// Four, while searching.
     Search,
     /// All: what is printed.
@@ -196,9 +201,10 @@ pub struct DifferenceJudge {
     masks: CutMasks,
 }
 
-/// Pictures of the plants are kept of this many heights: a search looks at a level in small pictures, then in a large
-/// one, and then at the next.
-const HEIGHTS_KEPT: usize = 5;
+/// Pictures of the plants are kept of the heights that were asked for last, as long as squares of these sides have no
+/// more pixels: all heights of a default chain, as a search comes back to the largest when it is known where its level
+/// ends.
+const MOST_KEPT_SQUARE_PX: f64 = 2.0 * 1024.0 * 1024.0;
 
 /// Larger pictures are kept of a few plants only: one takes up to 60 MB, and there are six of each plant.
 const MOST_KEPT_PX: f64 = 400.0;
@@ -395,7 +401,13 @@ impl DifferenceJudge {
             },
         };
         drawn.insert(0, latest);
-        drawn.truncate(HEIGHTS_KEPT);
+        let mut square_px = 0.0;
+        let is_kept = |at: &DrawnAt| {
+            square_px += at.pixels_high.min(frame::MOST_SIDE_PX).powi(2);
+            square_px <= MOST_KEPT_SQUARE_PX
+        };
+        let kept = drawn.iter().map(is_kept).take_while(|is_kept| *is_kept).count();
+        drawn.truncate(kept.max(1));
         with(&mut drawn[0].pictures)
     }
 
@@ -410,14 +422,21 @@ impl DifferenceJudge {
     }
 
     fn eyes(&self, sphere: BoundingSphere, count: ViewCount) -> Vec<Eye> {
+        let most = match count {
+            ViewCount::Glance => GLANCE_VIEWS,
+            ViewCount::Search | ViewCount::All => usize::MAX,
+        };
         match &self.cameras {
             Some(cameras) => {
                 let step = match count {
-                    ViewCount::Search => cameras.len().div_ceil(SEARCH_VIEWS.len()),
+                    ViewCount::Glance | ViewCount::Search => {
+                        cameras.len().div_ceil(SEARCH_VIEWS.len())
+                    }
                     ViewCount::All => 1,
                 };
                 let cameras = cameras.iter().enumerate().step_by(step);
                 cameras
+                    .take(most)
                     .map(|(number, view)| Eye::of_camera(number, view, sphere))
                     .collect()
             }
@@ -425,11 +444,12 @@ impl DifferenceJudge {
                 let search = SEARCH_VIEWS.iter().copied();
                 let rest = (0..VIEWS.len()).filter(|k| !SEARCH_VIEWS.contains(k));
                 let numbers = match count {
-                    ViewCount::Search => search.collect::<Vec<_>>(),
+                    ViewCount::Glance | ViewCount::Search => search.collect::<Vec<_>>(),
                     ViewCount::All => search.chain(rest).collect(),
                 };
                 numbers
                     .into_iter()
+                    .take(most)
                     .map(|number| Eye::about(number, VIEWS[number], sphere, RADII))
                     .collect()
             }

@@ -110,6 +110,9 @@ impl<'a, 'm> Ladder<'a, 'm> {
             // Whether any level pays is known from the finest that would.
             false => first,
         };
+        if let Some(step) = self.learn_goal(heights, steps.clone(), guess, observer)? {
+            guess = step;
+        }
         for _ in 0..self.work.placed {
             let found = self.coarsest(heights, steps.clone(), guess, observer)?;
             let slope = self.slope;
@@ -151,6 +154,30 @@ impl<'a, 'm> Ladder<'a, 'm> {
             guess = step;
         }
         Ok(best)
+    }
+
+    /// Where it is not known how much more large pictures show, learns it of the coarsest of some steps that would
+    /// usually do; and which step that is.
+    fn learn_goal(
+        &mut self,
+        heights: &[f64],
+        steps: Range<usize>,
+        first: usize,
+        observer: &mut Observer<'_>,
+    ) -> Result<Option<usize>, ChainError> {
+        if self.goals.are_known(heights[0]) {
+            return Ok(None);
+        }
+        let found = self.coarsest_so_shared(heights, steps, (first, None), observer)?;
+        let Some((step, _)) = found else {
+            return Ok(None);
+        };
+        let look = &self.maker.look;
+        let drawn = &self.level(step, observer)?.drawn;
+        if let Some(times) = look.times_in_search(drawn, heights[0]) {
+            self.goals.learn(heights[0], times);
+        }
+        Ok(Some(step))
     }
 
     /// A level where it is larger, at a height and down to another, if it is within the limits there too.

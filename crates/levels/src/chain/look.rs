@@ -2,6 +2,7 @@
 
 use std::cell::{OnceCell, RefCell};
 use std::collections::BTreeMap;
+use std::rc::Rc;
 use std::sync::Arc;
 
 use glam::DVec3;
@@ -55,8 +56,9 @@ fn limits_of_impostors(limits: Limits, leaf_count: usize) -> Limits {
 #[derive(Clone)]
 pub(super) struct Drawn {
     pub(super) level: LevelSurfaces,
-    /// By height in pixels, as bits, how many times the limits the level is, as far as it is known.
-    overs: RefCell<BTreeMap<u64, f64>>,
+    /// By height in pixels, as bits, how many times the limits the level is, as far as it is known; one for all that are
+    /// equal.
+    overs: Rc<RefCell<BTreeMap<u64, f64>>>,
 }
 
 impl Drawn {
@@ -64,7 +66,7 @@ impl Drawn {
     pub(super) fn of(document: &Document) -> Result<Self, GltfError> {
         Ok(Self {
             level: LevelSurfaces::of(document.drawn_as_one(Detail::Color)?),
-            overs: RefCell::default(),
+            overs: Rc::default(),
         })
     }
 }
@@ -186,6 +188,20 @@ impl Look {
         };
         let difference = self.clock.time(ChainStage::Difference, judge);
         difference.over(self.limits)
+    }
+
+    /// How many times as far off a level is in pictures of its size as in those of a search, at a glance; nothing where
+    /// that is no number.
+    pub(super) fn times_in_search(&self, drawn: &Drawn, pixels_high: f64) -> Option<f64> {
+        let over = |px: f64| {
+            let (surfaces, count) = (&drawn.level.surfaces, ViewCount::Glance);
+            self.clock.time(ChainStage::Difference, || {
+                self.judge.difference(surfaces, px, count).over(self.limits)
+            })
+        };
+        let in_search = over(pixels_high.min(self.search_px));
+        let times = over(pixels_high) / in_search;
+        (times.is_finite() && times > 0.0).then_some(times)
     }
 
     /// How far a level with its own textures looks from the original, as it is put down; of fewer views if it is
