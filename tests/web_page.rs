@@ -5,6 +5,7 @@ mod bytes;
 mod first_answer;
 mod lasso;
 mod roles;
+mod wind;
 
 use std::path::PathBuf;
 

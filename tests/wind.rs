@@ -93,6 +93,19 @@ fn edited(glb: &[u8], edit: impl Fn(&mut Value)) -> Vec<u8> {
     joined(&root, bin)
 }
 
+/// A grown plant whose file does not say what leaves and wood hang on.
+pub(crate) fn silent(grown: &[u8]) -> Vec<u8> {
+    edited(grown, |root| {
+        root.as_object_mut().unwrap().shift_remove("extras");
+        for mesh in root["meshes"].as_array_mut().unwrap() {
+            for primitive in mesh["primitives"].as_array_mut().unwrap() {
+                let attributes = primitive["attributes"].as_object_mut().unwrap();
+                attributes.retain(|name, _| !name.starts_with("_WIND"));
+            }
+        }
+    })
+}
+
 /// A bench with a maple whose leaves have four triangles: they can get coarser.
 fn maple() -> Bench {
     let bench = Bench::for_small_screen();
@@ -201,15 +214,7 @@ fn every_level_hangs_where_the_original_hung() {
 #[test]
 fn what_a_silent_plant_hangs_on_is_found() {
     let bench = maple();
-    let silent = edited(&bench.read("maple.glb"), |root| {
-        root.as_object_mut().unwrap().shift_remove("extras");
-        for mesh in root["meshes"].as_array_mut().unwrap() {
-            for primitive in mesh["primitives"].as_array_mut().unwrap() {
-                let attributes = primitive["attributes"].as_object_mut().unwrap();
-                attributes.retain(|name, _| !name.starts_with("_WIND"));
-            }
-        }
-    });
+    let silent = silent(&bench.read("maple.glb"));
     bench.put("silent.glb", &silent);
     let lods = [
         "lods",

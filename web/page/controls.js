@@ -41,6 +41,7 @@ const keys = {
   d: () => setMode("difference"),
   r: () => setView({ hasRoles: !stage.view.hasRoles, mode: "plant" }),
   t: () => setView({ isTrueSize: !stage.view.isTrueSize }),
+  w: () => stage.canSway && setView({ isWindy: !stage.view.isWindy }),
   a: () => stage.levels && showLevel(null),
   "[": () => stage.levels && goTo(stage.view.distance / 1.06),
   "]": () => stage.levels && goTo(stage.view.distance * 1.06),
@@ -137,6 +138,7 @@ const listenToStage = () => {
   $("roles").addEventListener("click", keys.r);
   $("lasso").addEventListener("click", keys.l);
   $("true-size").addEventListener("click", keys.t);
+  $("wind").addEventListener("click", keys.w);
   $("reset").addEventListener("click", () => stage.orbit.reset());
   $("background").addEventListener("change", (e) => stage.set({ background: e.target.value }));
 };

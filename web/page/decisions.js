@@ -5,6 +5,8 @@ const FIRST = {
   leaves: [],
   // Selectors of what is not the plant, beside ground and helpers.
   notPlant: [],
+  // Whether levels say what they hang on, so that they sway.
+  wind: false,
   // How much work goes into levels: "fast", "normal" or "best".
   effort: "normal",
   // "chain" or "level".
@@ -77,7 +79,8 @@ class Decisions {
 
   // How the plant is opened, as JSON.
   get opening() {
-    return JSON.stringify({ leaves: this.now.leaves, notPlant: this.now.notPlant });
+    const { leaves, notPlant, wind } = this.now;
+    return JSON.stringify({ leaves, notPlant, wind });
   }
 
   // What a result is known by.

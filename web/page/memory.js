@@ -23,6 +23,7 @@ const IS_RIGHT = {
   maxDifference: (difference) => QUALITIES.includes(difference),
   original: (is) => typeof is === "boolean",
   impostor: (is) => typeof is === "boolean",
+  wind: (is) => typeof is === "boolean",
 };
 
 // Of what may be decisions, those that are.
@@ -54,7 +55,7 @@ const recalled = (sha256) => {
 };
 
 // The settings as the address has them behind its #; and the plant, where it was grown here.
-const linkOf = ({ kind, level, levels, maxDifference, original, impostor, effort, ...values }, grown) => [
+const linkOf = ({ kind, level, levels, maxDifference, original, impostor, wind, effort, ...values }, grown) => [
   grown && `grow=${grown.species},${grown.leaves},${grown.seed}`,
   kind === "level" && `one=${level.amount === "share" ? `${percentIn(level.value)}%` : level.value}`,
   kind === "chain" && levels === "distances" && `metres=${values.distances.join(",")}`,
@@ -62,6 +63,7 @@ const linkOf = ({ kind, level, levels, maxDifference, original, impostor, effort
   kind === "chain" && maxDifference !== FIRST.maxDifference && `difference=${maxDifference}`,
   kind === "chain" && !original && "plant=no",
   kind === "chain" && !impostor && "pictures=no",
+  wind && "wind=yes",
   effort !== FIRST.effort && `effort=${effort}`,
 ].filter((word) => word).join("&");
 
@@ -75,7 +77,7 @@ const askedBy = (link) => {
   const [species, leaves, seed] = words.grow?.split(",") ?? [];
   const isGrown = Object.hasOwn(GROWN, species ?? "") && isCount(Number(leaves)) && leaves <= MOST_GROWN_LEAVES && /^\d{1,9}$/.test(seed);
   const grown = isGrown ? { species, leaves: Number(leaves), seed: Number(seed) } : null;
-  const said = ["one", "metres", "percent", "difference", "plant", "pictures", "effort"].some((word) => words[word] !== undefined);
+  const said = ["one", "metres", "percent", "difference", "plant", "pictures", "wind", "effort"].some((word) => words[word] !== undefined);
   if (!said) return { settings: null, grown };
   const { distances, shares: firstShares, level } = FIRST;
   const one = words.one?.endsWith("%") ? { amount: "share", value: parseFloat(words.one) / 100 } : { amount: "triangles", value: Number(words.one) };
@@ -88,6 +90,7 @@ const askedBy = (link) => {
     maxDifference: Number(words.difference ?? FIRST.maxDifference),
     original: words.plant !== "no",
     impostor: words.pictures !== "no",
+    wind: words.wind === "yes",
     effort: words.effort ?? FIRST.effort,
   };
   return { settings: rightOnes(asked), grown };

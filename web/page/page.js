@@ -65,8 +65,7 @@ const busy = async (text, work, isShown = true) => {
 const reopen = async () => {
   const wanted = decisions.opening;
   if (engine.open === wanted) return null;
-  const { leaves, notPlant } = decisions.now;
-  const opened = await engine.call("open", { source: state.source, leaves, notPlant });
+  const opened = await engine.call("open", { source: state.source, ...JSON.parse(wanted) });
   engine.open = wanted;
   return opened;
 };
@@ -285,6 +284,8 @@ const sayView = (result) => {
   sayLasso();
   $("roles").disabled = mode !== "plant";
   press($("true-size"), view.isTrueSize);
+  press($("wind"), view.isWindy);
+  $("wind").hidden = !stage.canSway;
   $("wipe").hidden = mode !== "wipe";
   $("seam").hidden = mode !== "wipe";
   $("seam").style.left = `${100 * view.wipe}%`;

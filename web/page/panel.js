@@ -89,6 +89,7 @@ const fillTarget = (now, triangles) => {
   $("quality").value = String(now.maxDifference);
   $("original").checked = now.original;
   $("impostor").checked = now.impostor;
+  $("sways").checked = now.wind;
   $("of-impostor").hidden = now.levels === "shares";
   const { amount, value } = now.level;
   $("amount").value = amount;
@@ -114,6 +115,7 @@ const listenToTarget = (decisions, triangles) => {
   on("quality", (e) => ({ maxDifference: Number(e.value) }));
   on("original", (e) => ({ original: e.checked }));
   on("impostor", (e) => ({ impostor: e.checked }));
+  on("sways", (e) => ({ wind: e.checked }));
   on("distances", (e) => {
     const distances = numbersOf(e.value, rises);
     return distances && { distances };

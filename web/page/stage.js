@@ -23,7 +23,7 @@ class Stage {
     // picked: the place of a part; met: { number, triangles, taken } of the
     // piece of it that was clicked; piece: the same, where that piece alone is meant. chosen: { items, triangles, taken }
     // of several that are meant, by place the numbers of pieces, or null for all.
-    this.view = { mode: "plant", hasRoles: false, isTrueSize: false, background: "light", wipe: 0.5, isLevel: true, level: 1, steps: null, distance: 10, picked: null, met: null, piece: null, chosen: null };
+    this.view = { mode: "plant", hasRoles: false, isTrueSize: false, isWindy: false, background: "light", wipe: 0.5, isLevel: true, level: 1, steps: null, distance: 10, picked: null, met: null, piece: null, chosen: null };
     this.plant = null;
     this.levels = null;
     this.heat = null;
@@ -37,7 +37,20 @@ class Stage {
     requestAnimationFrame(() => {
       this.isAsked = false;
       this.draw();
+      if (this.wind) this.ask();
     });
+  }
+
+  // Whether what is shown says what it hangs on.
+  get canSway() {
+    const shown = this.isAlone ? this.plant : this.levels;
+    return (shown?.model.scene.levels ?? []).some((level) => level.surfaces.some((surface) => surface.holds !== null));
+  }
+
+  // The breeze of this moment, or null where none blows.
+  get wind() {
+    if (!this.view.isWindy || !this.canSway) return null;
+    return breeze(this.chain.size[1], performance.now() / 1000);
   }
 
   // A picture that came from the engine, as { model, chain }.
@@ -108,7 +121,8 @@ class Stage {
     renderer.background = BACKGROUNDS[view.background].map((color) => color);
     if (view.background !== "sky") renderer.background[1] = renderer.background[0];
     const boxes = this.boxes();
-    const picture = (k, box) => renderer.draw({ level: k, steps: k === 0 ? null : view.steps }, this.cameraOf(box), box, { leaves: true, wood: true, wire: false });
+    const wind = this.wind;
+    const picture = (k, box) => renderer.draw({ level: k, steps: k === 0 ? null : view.steps }, this.cameraOf(box), box, { leaves: true, wood: true, wire: false }, wind);
     if (this.isAlone) return this.drawAlone(boxes[0]);
     renderer.use(this.levels.model);
     if (view.mode === "beside") boxes.forEach((box, k) => picture(k === 0 ? 0 : view.level, box));
@@ -128,6 +142,8 @@ class Stage {
     renderer.use(plant.model);
     const camera = this.cameraOf(box);
     const over = view.chosen ?? (view.picked === null ? null : view.piece);
+    // What is chosen is drawn over the plant as it stands.
+    const wind = over ? null : this.wind;
     const plants = plant.model.scene.levels[0].surfaces.length;
     plant.model.scene.levels.forEach((_, level) => {
       const meshes = renderer.level(level);
@@ -138,7 +154,7 @@ class Stage {
         return view.hasRoles ? ROLES[part.role].color : null;
       };
       const isOver = level > 0;
-      renderer.draw({ level, steps: null }, camera, { ...box, isOver }, { leaves: true, wood: true, wire: false, tint });
+      renderer.draw({ level, steps: null }, camera, { ...box, isOver }, { leaves: true, wood: true, wire: false, tint }, wind);
     });
     if (!over) return;
     const { gl } = renderer;

@@ -52,7 +52,8 @@ const commandOf = (decisions, name, layout) => {
   const words = now.kind === "level"
     ? ["simplify", name, "-o", `${stem}_lighter.glb`, "--triangles", shareText(now.level)]
     : ["lods", name, "-o", layout === "files" ? `${stem}_levels` : `${stem}_lods.glb`, ...chainWords(now), ...(layout === "files" ? [] : ["--layout", layout])];
-  return ["secateur", ...words, ...effort, ...foliage, ...others].map(quoted).join(" ");
+  const wind = now.wind ? ["--wind"] : [];
+  return ["secateur", ...words, ...effort, ...wind, ...foliage, ...others].map(quoted).join(" ");
 };
 
 // A share is written with a point, or it would be a number of triangles.

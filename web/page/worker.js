@@ -25,10 +25,10 @@ const sha256Of = async (bytes) => {
   return hash ? [...new Uint8Array(hash)].map((byte) => byte.toString(16).padStart(2, "0")).join("") : null;
 };
 
-const opened = async (name, bytes, leaves, notPlant) => {
+const opened = async (name, bytes, { leaves, notPlant, wind }) => {
   forget();
   const sha256 = await sha256Of(bytes);
-  tree = new wasm_bindgen.Tree(name, bytes, JSON.stringify(leaves), JSON.stringify(notPlant));
+  tree = new wasm_bindgen.Tree(name, bytes, JSON.stringify(leaves), JSON.stringify(notPlant), wind);
   return { name, sha256, inspection: JSON.parse(tree.inspection()), problem: tree.problem() ?? null, leafPieces: JSON.parse(tree.leafPieces()), otherPieces: JSON.parse(tree.otherPieces()), picture: pictureOf(tree.picture()) };
 };
 
@@ -88,13 +88,13 @@ const tellOf = (id) => {
 
 const calls = {
   species: () => wasm_bindgen.species(),
-  async open({ source, leaves, notPlant }) {
+  async open({ source, ...opening }) {
     if (source.grown) {
-      const { species, leaves: count, seed } = source.grown;
-      return opened(`${species}.glb`, wasm_bindgen.grow(species, count, seed), leaves, notPlant);
+      const { species, leaves, seed } = source.grown;
+      return opened(`${species}.glb`, wasm_bindgen.grow(species, leaves, seed), opening);
     }
     const [name, bytes] = await bytesOf(source.files);
-    return opened(name, bytes, leaves, notPlant);
+    return opened(name, bytes, opening);
   },
   make({ key, kind, settings }, id) {
     const tell = tellOf(id);

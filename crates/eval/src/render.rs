@@ -14,9 +14,10 @@ pub(crate) use cut_out::{CutOut, CutOutRoles, draw_cut_out};
 use crate::Camera;
 use crate::lens::Lens;
 use crate::mips::{MipChains, MipSampler};
+use crate::screen_triangle::ScreenTriangle;
 use crate::shading::{Lighting, Spot};
 use crate::srgb_byte;
-use crate::visibility::{AlphaFrom, Culling, NOTHING, Visibility, outline, visibility};
+use crate::visibility::{AlphaFrom, Culling, NOTHING, SeenRows, outline, visibility};
 
 /// How a picture is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -91,9 +92,10 @@ pub(crate) fn draw<S: Borrow<Surface> + Sync>(
         "a pixel has 1 to 8 samples along a side, not {per_side}"
     );
     let lens = Lens::perspective(camera, options.width * per_side, options.height * per_side);
+    let seen = visibility(surfaces, &lens, Culling::Material, alpha);
     let scene = SeenFrom {
         surfaces,
-        seen: visibility(surfaces, &lens, Culling::Material, alpha),
+        triangles: &seen.triangles,
         mips: alpha.mips,
         lighting: Lighting::new(surfaces, lens.axes, options.shadows),
         turns_normals: options.turns_normals,
@@ -104,12 +106,12 @@ pub(crate) fn draw<S: Borrow<Surface> + Sync>(
     let rows = image.par_chunks_mut(row_bytes).enumerate();
     rows.for_each(|(y, row)| {
         for (x, pixel) in row.chunks_exact_mut(4).enumerate() {
-            let mean = scene.pixel_color(x as u32, y as u32, per_side);
+            let mean = scene.pixel_color(x as u32, y as u32, per_side, seen.rows());
             let [r, g, b] = mean.to_array().map(srgb_byte);
             pixel.copy_from_slice(&[r, g, b, 255]);
         }
     });
-    let is_covered = scene.seen.frontmost.iter().map(|index| *index != NOTHING);
+    let is_covered = seen.frontmost.iter().map(|index| *index != NOTHING);
     DrawnPicture {
         image,
         is_covered: is_covered.collect(),
@@ -131,7 +133,7 @@ pub(crate) fn is_covered<S: Borrow<Surface> + Sync>(
 /// A scene and what is seen of it.
 struct SeenFrom<'a, S> {
     surfaces: &'a [S],
-    seen: Visibility,
+    triangles: &'a [ScreenTriangle],
     mips: Option<&'a MipChains>,
     lighting: Lighting,
     turns_normals: bool,
@@ -142,7 +144,7 @@ impl<S: Borrow<Surface>> SeenFrom<'_, S> {
     /// The mean linear colour of a pixel's samples. Light changes little within
     /// a pixel and costs most: it is found once for samples of one triangle, and
     /// once for the background.
-    fn pixel_color(&self, x: u32, y: u32, per_side: u32) -> Vec3 {
+    fn pixel_color(&self, x: u32, y: u32, per_side: u32, seen: SeenRows<'_>) -> Vec3 {
         let mut sum = Vec3::ZERO;
         let mut lit = (NOTHING, Vec3::ZERO);
         let mut background = None;
@@ -150,7 +152,7 @@ impl<S: Borrow<Surface>> SeenFrom<'_, S> {
             let column = x * per_side + sample % per_side;
             let row = y * per_side + sample / per_side;
             let at = Vec2::new(column as f32 + 0.5, row as f32 + 0.5);
-            let index = self.seen.frontmost[row as usize * self.seen.width + column as usize];
+            let index = seen.at(column, row);
             sum += match self.spot(index, at) {
                 None => *background.get_or_insert_with(|| self.lighting.background(&self.lens, at)),
                 Some(spot) => {
@@ -169,12 +171,12 @@ impl<S: Borrow<Surface>> SeenFrom<'_, S> {
 
     /// The mip chain of what a sample sees.
     fn mips_at(&self, index: u32) -> Option<MipSampler<'_>> {
-        let triangle = self.seen.triangles.get(index as usize)?;
+        let triangle = self.triangles.get(index as usize)?;
         self.mips?.of_surface(triangle.face.surface)
     }
 
     fn spot(&self, index: u32, at: Vec2) -> Option<Spot<'_>> {
-        let triangle = self.seen.triangles.get(index as usize)?;
+        let triangle = self.triangles.get(index as usize)?;
         let surface = self.surfaces[triangle.face.surface as usize].borrow();
         Spot::new(surface, triangle, at)
     }

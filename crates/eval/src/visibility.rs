@@ -35,6 +35,17 @@ pub(crate) struct Visibility {
     pub(crate) nearness: Vec<f32>,
 }
 
+impl Visibility {
+    /// All rows of it.
+    pub(crate) fn rows(&self) -> SeenRows<'_> {
+        SeenRows {
+            first_row: 0,
+            width: self.width,
+            frontmost: &self.frontmost,
+        }
+    }
+}
+
 /// Whether back faces of materials that are not double-sided are left out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Culling {
@@ -98,49 +109,152 @@ enum Seek {
 fn drawn<S: Borrow<Surface> + Sync>(
     surfaces: &[S],
     lens: &Lens,
-    (culling, seek): (Culling, Seek),
+    how: (Culling, Seek),
     alpha: AlphaFrom<'_>,
 ) -> Visibility {
-    let mut triangles = screen_triangles(surfaces, lens);
-    if culling == Culling::Material {
-        triangles.retain(|triangle| {
-            let surface = surfaces[triangle.face.surface as usize].borrow();
-            surface.material.double_sided || is_front(triangle)
-        });
-    }
-    let width = lens.width as usize;
+    let bands = Bands::of(surfaces, lens, how, alpha, BAND_ROWS);
+    let width = bands.width;
     let samples = width * lens.height as usize;
     let mut frontmost = vec![NOTHING; samples];
     let mut nearness = vec![f32::NEG_INFINITY; samples];
-    let bands = triangles_by_band(&triangles, lens.height as usize, seek);
-    let masks: Vec<Option<Arc<CutMask>>> = surfaces
-        .iter()
-        .map(|surface| alpha.masks?.of(&surface.borrow().material))
-        .collect();
     let band_samples = BAND_ROWS * width.max(1);
     frontmost
         .par_chunks_mut(band_samples)
         .zip(nearness.par_chunks_mut(band_samples))
-        .zip(&bands)
         .enumerate()
-        .for_each(|(index, ((frontmost, nearness), members))| {
-            let mut band = Band::new(index * BAND_ROWS, width, seek, (frontmost, nearness));
-            for &member in members {
-                let triangle = &triangles[member as usize];
-                let surface = surfaces[triangle.face.surface as usize].borrow();
-                let number = triangle.face.surface;
-                let alpha = Alpha {
-                    mips: alpha.mips.and_then(|mips| mips.of_surface(number)),
-                    mask: masks[number as usize].as_deref(),
-                };
-                band.draw(member, triangle, surface, alpha);
-            }
-        });
+        .for_each(|(band, samples)| bands.draw(band, samples));
     Visibility {
         width,
-        triangles,
+        triangles: bands.triangles,
         frontmost,
         nearness,
+    }
+}
+
+/// What a lens sees of surfaces, ready to be drawn in bands of rows.
+pub(crate) struct Bands<'a, S> {
+    surfaces: &'a [S],
+    mips: Option<&'a MipChains>,
+    /// By surface, what is known of its alpha.
+    masks: Vec<Option<Arc<CutMask>>>,
+    seek: Seek,
+    /// Samples in a row.
+    pub(crate) width: usize,
+    /// Rows of a band; the last may have fewer.
+    rows: usize,
+    pub(crate) triangles: Vec<ScreenTriangle>,
+    /// By band, the places in `triangles` of those that may be seen in it.
+    members: Vec<Vec<u32>>,
+}
+
+/// Some rows of samples of what is seen.
+#[derive(Clone, Copy)]
+pub(crate) struct SeenRows<'a> {
+    pub(crate) first_row: usize,
+    /// Samples in a row.
+    pub(crate) width: usize,
+    /// Row by row: a place in a list of triangles, or [`NOTHING`].
+    pub(crate) frontmost: &'a [u32],
+}
+
+impl SeenRows<'_> {
+    /// The frontmost triangle at a column and row of the raster.
+    pub(crate) fn at(&self, column: u32, row: u32) -> u32 {
+        self.frontmost[(row as usize - self.first_row) * self.width + column as usize]
+    }
+}
+
+/// Memory for the samples of a band.
+#[derive(Default)]
+pub(crate) struct BandSamples {
+    frontmost: Vec<u32>,
+    nearness: Vec<f32>,
+}
+
+impl<'a, S: Borrow<Surface> + Sync> Bands<'a, S> {
+    fn of(
+        surfaces: &'a [S],
+        lens: &Lens,
+        (culling, seek): (Culling, Seek),
+        alpha: AlphaFrom<'a>,
+        rows: usize,
+    ) -> Self {
+        let mut triangles = screen_triangles(surfaces, lens);
+        if culling == Culling::Material {
+            triangles.retain(|triangle| {
+                let surface = surfaces[triangle.face.surface as usize].borrow();
+                surface.material.double_sided || is_front(triangle)
+            });
+        }
+        let mask = |surface: &S| alpha.masks?.of(&surface.borrow().material);
+        Self {
+            surfaces,
+            mips: alpha.mips,
+            masks: surfaces.iter().map(mask).collect(),
+            seek,
+            width: lens.width as usize,
+            rows,
+            members: triangles_by_band(&triangles, (lens.height as usize, rows), seek),
+            triangles,
+        }
+    }
+
+    /// As [`visibility`] draws, in bands of about [`BAND_ROWS`] rows, which are whole pixels of `samples` rows each.
+    pub(crate) fn of_pixels(
+        surfaces: &'a [S],
+        lens: &Lens,
+        alpha: AlphaFrom<'a>,
+        samples: usize,
+    ) -> Self {
+        let rows = (BAND_ROWS / samples).max(1) * samples;
+        let how = (Culling::Material, Seek::Frontmost);
+        Self::of(surfaces, lens, how, alpha, rows)
+    }
+
+    /// Rows of samples in a band.
+    pub(crate) fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// What is seen in `rows` rows of a band; nothing where that is nothing. Memory is used again.
+    pub(crate) fn seen<'m>(
+        &self,
+        band: usize,
+        rows: usize,
+        memory: &'m mut BandSamples,
+    ) -> Option<SeenRows<'m>> {
+        if self.members[band].is_empty() {
+            return None;
+        }
+        let BandSamples {
+            frontmost,
+            nearness,
+        } = memory;
+        frontmost.clear();
+        frontmost.resize(rows * self.width, NOTHING);
+        nearness.clear();
+        nearness.resize(rows * self.width, f32::NEG_INFINITY);
+        self.draw(band, (frontmost, nearness));
+        Some(SeenRows {
+            first_row: band * self.rows,
+            width: self.width,
+            frontmost,
+        })
+    }
+
+    /// Draws a band into samples where nothing is seen yet.
+    fn draw(&self, band: usize, samples: (&mut [u32], &mut [f32])) {
+        let mut drawn = Band::new(band * self.rows, self.width, self.seek, samples);
+        for &member in &self.members[band] {
+            let triangle = &self.triangles[member as usize];
+            let number = triangle.face.surface;
+            let alpha = Alpha {
+                mips: self.mips.and_then(|mips| mips.of_surface(number)),
+                mask: self.masks[number as usize].as_deref(),
+            };
+            let surface = self.surfaces[number as usize].borrow();
+            drawn.draw(member, triangle, surface, alpha);
+        }
     }
 }
 
@@ -152,7 +266,11 @@ pub(crate) fn is_front(triangle: &ScreenTriangle) -> bool {
 
 /// Places in `triangles`, the nearest first: of what is hidden little is then looked at closely. In any
 /// order where nothing is hidden.
-fn triangles_by_band(triangles: &[ScreenTriangle], height: usize, seek: Seek) -> Vec<Vec<u32>> {
+fn triangles_by_band(
+    triangles: &[ScreenTriangle],
+    (height, rows): (usize, usize),
+    seek: Seek,
+) -> Vec<Vec<u32>> {
     let nearest = |triangle: &ScreenTriangle| {
         let corners = triangle.corners.iter().map(|corner| corner.nearness);
         corners.fold(f32::MIN, f32::max)
@@ -162,12 +280,12 @@ fn triangles_by_band(triangles: &[ScreenTriangle], height: usize, seek: Seek) ->
     if seek == Seek::Frontmost {
         nearest_first.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
     }
-    let mut bands = vec![Vec::new(); height.div_ceil(BAND_ROWS)];
+    let mut bands = vec![Vec::new(); height.div_ceil(rows)];
     for (_, index) in nearest_first {
         let [a, b, c] = triangles[index as usize].corners.map(|corner| corner.at.y);
         let (low, high) = (a.min(b).min(c), a.max(b).max(c));
-        let first = low.max(0.0) as usize / BAND_ROWS;
-        let last = (high as usize / BAND_ROWS).min(bands.len().saturating_sub(1));
+        let first = low.max(0.0) as usize / rows;
+        let last = (high as usize / rows).min(bands.len().saturating_sub(1));
         for band in bands.iter_mut().take(last + 1).skip(first) {
             band.push(index);
         }

@@ -42,7 +42,8 @@ pub struct JsTree {
 #[wasm_bindgen(js_class = Tree)]
 impl JsTree {
     /// Opens a GLB, or a .glTF that holds all its data; `leaves` names its leaves as a JSON list of selectors such as
-    /// `["material:leaf"]`, which is empty where the evidence is to decide; `not_plant` likewise what is not the plant.
+    /// `["material:leaf"]`, which is empty where the evidence is to decide; `not_plant` likewise what is not the plant. With
+    /// `wind` the plant and its levels get what they hang on, as by `--wind`.
     ///
     /// # Errors
     /// A sentence where the file can't be read. That no leaves are found is no error: [`problem`](Self::problem).
@@ -52,6 +53,7 @@ impl JsTree {
         bytes: Vec<u8>,
         leaves: &str,
         not_plant: Option<String>,
+        wind: Option<bool>,
     ) -> Result<JsTree, String> {
         let selectors = selectors_of(leaves)?;
         let not_plant = selectors_of(not_plant.as_deref().unwrap_or("[]"))?;
@@ -64,6 +66,7 @@ impl JsTree {
             foliage: selectors.clone(),
             not_plant,
             memory: MEMORY,
+            wind: wind.unwrap_or(false),
             ..Opening::default()
         };
         let plant = Plant::from_bytes(name, bytes, &opening);

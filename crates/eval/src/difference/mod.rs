@@ -406,7 +406,11 @@ impl DifferenceJudge {
             square_px += at.pixels_high.min(frame::MOST_SIDE_PX).powi(2);
             square_px <= MOST_KEPT_SQUARE_PX
         };
-        let kept = drawn.iter().map(is_kept).take_while(|is_kept| *is_kept).count();
+        let kept = drawn
+            .iter()
+            .map(is_kept)
+            .take_while(|is_kept| *is_kept)
+            .count();
         drawn.truncate(kept.max(1));
         with(&mut drawn[0].pictures)
     }

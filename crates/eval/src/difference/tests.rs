@@ -196,3 +196,24 @@ fn no_view_drives() {
         assert!(nearest > 5.0, "{number}: {nearest}");
     }
 }
+
+/// A search comes back to its largest pictures after small ones; of pictures as large only the last are kept.
+#[test]
+fn pictures_are_kept_as_long_as_they_are_not_too_many() {
+    let judge = DifferenceJudge::new(vec![trunk(0.1)], &[true]);
+    let kept = || {
+        let drawn = judge.drawn.lock().unwrap();
+        let heights: Vec<f64> = drawn.iter().map(|at| at.pixels_high).collect();
+        heights
+    };
+    for px in [1080.0, 540.0, 270.0, 135.0, 64.0, 32.0, 16.0] {
+        judge.difference(&[], px, ViewCount::Glance);
+    }
+    assert_eq!(kept(), [16.0, 32.0, 64.0, 135.0, 270.0, 540.0, 1080.0]);
+    let views = judge.drawn.lock().unwrap()[0].pictures.len();
+    assert_eq!(views, GLANCE_VIEWS);
+    for px in [2000.0, 3000.0] {
+        judge.difference(&[], px, ViewCount::Glance);
+    }
+    assert_eq!(kept(), [3000.0, 2000.0]);
+}

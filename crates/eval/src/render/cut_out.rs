@@ -9,7 +9,7 @@ use secateur_model::Surface;
 use super::{SeenFrom, tone};
 use crate::lens::Lens;
 use crate::shading::Lighting;
-use crate::visibility::{AlphaFrom, Culling, NOTHING, visibility};
+use crate::visibility::{AlphaFrom, BandSamples, Bands, NOTHING, SeenRows};
 
 /// A plant alone, before no background.
 pub(crate) struct CutOut {
@@ -41,9 +41,11 @@ pub(crate) fn draw_cut_out<S: Borrow<Surface> + Sync>(
     (samples, turns_normals): (u32, bool),
     alpha: AlphaFrom<'_>,
 ) -> CutOut {
+    let per_side = samples as usize;
+    let bands = Bands::of_pixels(surfaces, &lens, alpha, per_side);
     let scene = SeenFrom {
         surfaces,
-        seen: visibility(surfaces, &lens, Culling::Material, alpha),
+        triangles: &bands.triangles,
         mips: None,
         lighting: Lighting::new(surfaces, lens.axes, false),
         turns_normals,
@@ -58,17 +60,30 @@ pub(crate) fn draw_cut_out<S: Borrow<Surface> + Sync>(
         core: vec![0.0; count],
     };
     let width = size[0].max(1) as usize;
-    let rows = drawn.rgb.par_chunks_mut(width);
-    let rows = rows.zip(drawn.coverage.par_chunks_mut(width));
-    let rows = rows.zip(drawn.core.par_chunks_mut(width)).enumerate();
-    rows.for_each(|(y, ((rgb, coverage), core))| {
-        for x in 0..width {
-            let pixel = scene.cut_out_pixel(x as u32, y as u32, samples, roles);
-            (rgb[x], coverage[x], core[x]) = (pixel.rgb.to_array(), pixel.coverage, pixel.core);
+    let band_rows = bands.rows() / per_side;
+    let of_bands = drawn.rgb.par_chunks_mut(band_rows * width);
+    let of_bands = of_bands.zip(drawn.coverage.par_chunks_mut(band_rows * width));
+    let of_bands = of_bands.zip(drawn.core.par_chunks_mut(band_rows * width));
+    // A band is shaded while its samples are at hand.
+    let shade = |memory: &mut BandSamples, (band, ((rgb, coverage), core)): (usize, Pixels<'_>)| {
+        let rows = coverage.len() / width;
+        let Some(seen) = bands.seen(band, rows * per_side, memory) else {
+            return;
+        };
+        for k in 0..rows * width {
+            let [x, y] = [k % width, band * band_rows + k / width];
+            let pixel = scene.cut_out_pixel(x as u32, y as u32, samples, roles, seen);
+            (rgb[k], coverage[k], core[k]) = (pixel.rgb.to_array(), pixel.coverage, pixel.core);
         }
-    });
+    };
+    of_bands
+        .enumerate()
+        .for_each_init(BandSamples::default, shade);
     drawn
 }
+
+/// Colours, coverage and core of some pixels.
+type Pixels<'a> = ((&'a mut [[f32; 3]], &'a mut [f32]), &'a mut [f32]);
 
 /// A pixel of a [`CutOut`].
 #[derive(Clone, Copy, Debug, Default)]
@@ -81,7 +96,14 @@ struct CutOutPixel {
 impl<S: Borrow<Surface>> SeenFrom<'_, S> {
     /// The plant's share of a pixel. Of 2 x 2 samples that see one triangle the colour is found once, in their
     /// middle.
-    fn cut_out_pixel(&self, x: u32, y: u32, per_side: u32, roles: CutOutRoles) -> CutOutPixel {
+    fn cut_out_pixel(
+        &self,
+        x: u32,
+        y: u32,
+        per_side: u32,
+        roles: CutOutRoles,
+        seen: SeenRows<'_>,
+    ) -> CutOutPixel {
         let mut pixel = CutOutPixel::default();
         let mut lit = (NOTHING, Vec3::ZERO);
         let step = if per_side.is_multiple_of(2) { 2 } else { 1 };
@@ -90,10 +112,7 @@ impl<S: Borrow<Surface>> SeenFrom<'_, S> {
             .flat_map(|row| (0..per_side).step_by(step).map(move |column| (row, column)))
         {
             let (column, row) = (x * per_side + column, y * per_side + row);
-            let index = |dx: u32, dy: u32| {
-                let at = (row + dy) as usize * self.seen.width + (column + dx) as usize;
-                self.seen.frontmost[at]
-            };
+            let index = |dx: u32, dy: u32| seen.at(column + dx, row + dy);
             let corner = Vec2::new(column as f32, row as f32);
             if step == 1 {
                 self.add_samples(
@@ -136,7 +155,7 @@ impl<S: Borrow<Surface>> SeenFrom<'_, S> {
         (index, at, count): (u32, Vec2, f32),
         roles: CutOutRoles,
     ) {
-        let Some(triangle) = self.seen.triangles.get(index as usize) else {
+        let Some(triangle) = self.triangles.get(index as usize) else {
             return;
         };
         let surface = triangle.face.surface as usize;

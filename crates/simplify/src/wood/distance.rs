@@ -14,11 +14,21 @@ const SLACK: f64 = 1e-9;
 /// And as a share of how far it is from the origin.
 const ROUNDING: f64 = 1e-12;
 
-/// The triangles of a level, each within a ball: what is far off is not looked at closely.
-pub(super) struct Shape(Vec<InBall>);
+/// The triangles of a level, each within a ball, and runs of them within balls: what is far off is not looked at closely.
+pub(super) struct Shape {
+    triangles: Vec<InBall>,
+    /// About as many triangles as there are runs; the last run may have fewer.
+    run_len: usize,
+    runs: Vec<Ball>,
+}
 
 struct InBall {
     corners: [DVec3; 3],
+    ball: Ball,
+}
+
+#[derive(Clone, Copy)]
+struct Ball {
     middle: DVec3,
     radius: f64,
 }
@@ -35,29 +45,35 @@ impl Shape {
     }
 
     fn of_corners(triangles: impl Iterator<Item = [DVec3; 3]>) -> Self {
-        let in_ball = |corners: [DVec3; 3]| {
-            let middle = corners.into_iter().sum::<DVec3>() / 3.0;
-            let radius = corners.map(|corner| corner.distance(middle));
-            let radius = radius.into_iter().fold(0.0, f64::max);
-            InBall {
-                corners,
-                middle,
-                radius: radius * (1.0 + SLACK) + ROUNDING * middle.length(),
-            }
+        let in_ball = |corners: [DVec3; 3]| InBall {
+            corners,
+            ball: Ball::about(corners.map(|corner| (corner, 0.0))),
         };
-        Self(triangles.map(in_ball).collect())
+        let triangles: Vec<InBall> = triangles.map(in_ball).collect();
+        let run_len = triangles.len().isqrt().max(1);
+        let run = |run: &[InBall]| Ball::about(run.iter().map(|t| (t.ball.middle, t.ball.radius)));
+        Self {
+            runs: triangles.chunks(run_len).map(run).collect(),
+            run_len,
+            triangles,
+        }
     }
 
     pub(super) fn corners(&self) -> impl Iterator<Item = DVec3> {
-        self.0.iter().flat_map(|triangle| triangle.corners)
+        self.triangles.iter().flat_map(|triangle| triangle.corners)
     }
 
     /// The distance of a point from the nearest triangle, in world units.
     pub(super) fn distance(&self, point: DVec3) -> f64 {
         let mut least = f64::INFINITY;
-        for triangle in &self.0 {
-            if !triangle.is_beyond(point, least) {
-                least = least.min(triangle.distance(point));
+        for (run, triangles) in self.runs.iter().zip(self.triangles.chunks(self.run_len)) {
+            if run.is_beyond(point, least) {
+                continue;
+            }
+            for triangle in triangles {
+                if !triangle.ball.is_beyond(point, least) {
+                    least = least.min(triangle.distance(point));
+                }
             }
         }
         least
@@ -65,18 +81,39 @@ impl Shape {
 
     /// Whether the point is no farther than this from a triangle, in world units.
     pub(super) fn is_within(&self, point: DVec3, most: f64) -> bool {
-        let is_near = |t: &InBall| !t.is_beyond(point, most) && t.distance(point) <= most;
-        self.0.iter().any(is_near)
+        let is_near = |t: &InBall| !t.ball.is_beyond(point, most) && t.distance(point) <= most;
+        let mut runs = self.runs.iter().zip(self.triangles.chunks(self.run_len));
+        runs.any(|(run, triangles)| !run.is_beyond(point, most) && triangles.iter().any(is_near))
     }
 }
 
-impl InBall {
-    /// Whether it is surely farther from a point than this.
+impl Ball {
+    /// Of balls, by their middles and radii, at least one.
+    fn about(balls: impl IntoIterator<Item = (DVec3, f64)> + Clone) -> Self {
+        let (mut sum, mut count) = (DVec3::ZERO, 0.0);
+        for (middle, _) in balls.clone() {
+            sum += middle;
+            count += 1.0;
+        }
+        let middle = sum / count;
+        let reach = balls
+            .into_iter()
+            .map(|(at, radius)| at.distance(middle) + radius);
+        let radius = reach.fold(0.0, f64::max);
+        Self {
+            middle,
+            radius: radius * (1.0 + SLACK) + ROUNDING * middle.length(),
+        }
+    }
+
+    /// Whether all of it is surely farther from a point than this.
     fn is_beyond(&self, point: DVec3, distance: f64) -> bool {
         let reach = (distance + self.radius) * (1.0 + SLACK) + ROUNDING * point.length();
         self.middle.distance_squared(point) > reach * reach
     }
+}
 
+impl InBall {
     fn distance(&self, point: DVec3) -> f64 {
         nearest(self.corners, point).point.distance(point)
     }
