@@ -10,10 +10,11 @@ use crate::validator::assert_valid;
 
 /// Levels of a plant in a file each, and the same files compressed.
 fn both_ways(bench: &Bench, plant: &Plant) -> [Vec<PathBuf>; 2] {
-    let options = LevelsOptions {
+    let mut options = LevelsOptions {
         wanted: Wanted::Triangles(vec![Amount::Share(0.3), Amount::Share(0.12)]),
         ..LevelsOptions::default()
     };
+    options.screen.height_px = 270.0;
     let levels = plant.levels(&options).unwrap().named("plant");
     [false, true].map(|compress| {
         let folder = bench.path(if compress { "small" } else { "plain" });

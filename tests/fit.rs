@@ -61,7 +61,7 @@ fn measured<const N: usize>(bench: &Bench, out: &str, keys: [&str; N]) -> [f64; 
 
 #[test]
 fn what_any_method_left_fits_better() {
-    let bench = Bench::new();
+    let bench = Bench::for_small_screen();
     put_oak(&bench);
     for method in ["vds", "fsa", "stochastic"] {
         let plain = ["--method", method];
@@ -78,7 +78,7 @@ fn what_any_method_left_fits_better() {
 /// Where resolution and coarser leaves are the program's affair, sizes are too.
 #[test]
 fn to_triangles_sizes_are_fitted_unasked() {
-    let bench = Bench::new();
+    let bench = Bench::for_small_screen();
     put_oak(&bench);
     let quarter = [
         "--triangles",
@@ -112,7 +112,7 @@ fn to_triangles_sizes_are_fitted_unasked() {
 /// The order is what it was; the areas are those of fitted sizes.
 #[test]
 fn fitted_sizes_are_the_same_on_every_processor_and_thread() {
-    let bench = Bench::new();
+    let bench = Bench::for_small_screen();
     let hashes = |options: &[&str]| {
         let report = simplified(&bench, "out.glb", options);
         ["order_sha256", "areas_sha256"].map(|key| report[key].as_str().unwrap()[..12].to_owned())
@@ -138,7 +138,7 @@ fn fitted_sizes_are_the_same_on_every_processor_and_thread() {
 /// the least VMI error; what is asked for overrides what the preset sets.
 #[test]
 fn the_look_is_the_default_and_information_a_preset() {
-    let bench = Bench::new();
+    let bench = Bench::for_small_screen();
     put_oak(&bench);
     let keys = ["coverage_ratio", "flip_mean"];
     for target in [
@@ -212,7 +212,7 @@ fn the_look_is_the_default_and_information_a_preset() {
 
 #[test]
 fn the_look_is_the_same_on_every_processor_and_thread() {
-    let bench = Bench::new();
+    let bench = Bench::for_small_screen();
     let hashes = |threads: &str| {
         let options = [
             "--triangles",
@@ -231,7 +231,7 @@ fn the_look_is_the_same_on_every_processor_and_thread() {
 
 #[test]
 fn weights_out_of_range_are_wrong_usage() {
-    let bench = Bench::new();
+    let bench = Bench::for_small_screen();
     for weight in ["-1", "101", "NaN"] {
         let fit = format!("--fit={weight}");
         let arguments = ["oak.glb", "-o", "out.glb", "--ratio", "0.5", &fit];

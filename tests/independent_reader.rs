@@ -44,7 +44,7 @@ fn told(record: &Value) -> Vec<u64> {
 
 #[test]
 fn another_reader_finds_the_levels_of_every_layout() {
-    let bench = Bench::new();
+    let bench = Bench::for_small_screen();
     let lods = [
         "lods",
         "oak.glb",
@@ -91,7 +91,7 @@ fn another_reader_finds_the_levels_of_every_layout() {
 
 #[test]
 fn another_reader_finds_the_triangles_of_a_level() {
-    let bench = Bench::new();
+    let bench = Bench::for_small_screen();
     let simplify = ["simplify", "oak.glb", "-o", "out.glb", "--triangles", "0.3"];
     bench
         .run(&[&simplify[..], &["--report", "r.json"]].concat())

@@ -76,7 +76,7 @@ fn less_is_worse_and_its_silhouette_smaller() {
 /// a view.
 #[test]
 fn sets_of_views_stand_beside_their_mean_and_the_worst() {
-    let bench = Bench::new();
+    let bench = Bench::for_small_screen();
     let few = ["oak.glb", "-o", "out.glb", "--leaves", "40"];
     bench.simplify(&few).succeeded();
     let record = judged(&bench, &[]);
@@ -207,7 +207,7 @@ fn what_is_no_tree_is_one_sentence() {
 /// less of the original than there is, and hardly any of the difference that is there near by.
 #[test]
 fn what_a_client_draws_is_held_against_what_is_there() {
-    let bench = Bench::new();
+    let bench = Bench::for_small_screen();
     let drawn = |width: &str| {
         let measure = ["measure", "oak.glb", "oak.glb", "--format", "json"];
         let ran = bench.run(&[&measure[..], &["--as-drawn", width]].concat());
@@ -266,7 +266,7 @@ fn what_a_client_draws_is_held_against_what_is_there() {
 /// Ten units beside its original, and half as large.
 #[test]
 fn another_size_and_another_place_are_said() {
-    let bench = Bench::new();
+    let bench = Bench::for_small_screen();
     let (json, bin) = chunks(oak());
     let mut root: Value = serde_json::from_slice(json).unwrap();
     let scene = root["scene"].as_u64().unwrap_or(0) as usize;

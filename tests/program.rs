@@ -26,25 +26,25 @@ pub(crate) fn oak() -> &'static [u8] {
 /// A folder of its own with an oak in it, `oak.glb`.
 pub(crate) struct Bench {
     folder: tempfile::TempDir,
-    /// What `lods` gets beside its arguments.
-    more_of_lods: &'static [&'static str],
+    /// Whether `lods` and `measure` are for a small screen.
+    is_for_small_screen: bool,
 }
 
 impl Bench {
     pub(crate) fn new() -> Self {
         let bench = Self {
             folder: tempfile::tempdir().unwrap(),
-            more_of_lods: &[],
+            is_for_small_screen: false,
         };
         bench.put("oak.glb", oak());
         bench
     }
 
-    /// A folder in which `lods` is for a screen of a sixteenth of the usual pixels: for speed, where no looks are asked
-    /// for.
+    /// A folder in which `lods` is for a screen of a sixteenth of the usual pixels, and `measure` finds the difference of
+    /// few pixels: for speed, where no looks are asked for.
     pub(crate) fn for_small_screen() -> Self {
         Self {
-            more_of_lods: &["--screen-height=270"],
+            is_for_small_screen: true,
             ..Self::new()
         }
     }
@@ -78,8 +78,11 @@ impl Bench {
 
     /// Runs `secateur` in this folder.
     pub(crate) fn run(&self, arguments: &[&str]) -> Ran {
-        let is_lods = arguments.first() == Some(&"lods");
-        let more = self.more_of_lods.iter().filter(|_| is_lods);
+        let more = match arguments.first() {
+            Some(&"lods") if self.is_for_small_screen => &["--screen-height=270"][..],
+            Some(&"measure") if self.is_for_small_screen => &["--pixels-high=16"],
+            _ => &[],
+        };
         let output = Command::new(env!("CARGO_BIN_EXE_secateur"))
             .args(arguments)
             .args(more)

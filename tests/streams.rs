@@ -13,8 +13,8 @@ fn plants_flow_through_pipes() {
         "\"$SECATEUR\" simplify oak.glb -o out.glb {few} -q && \
          \"$SECATEUR\" simplify - -o - {few} --report r.json < oak.glb > piped.glb && \
          \"$SECATEUR\" inspect - --format json < piped.glb > i.json && \
-         \"$SECATEUR\" lods oak.glb -o lods.glb --levels 0.5 > lods.txt && \
-         cat oak.glb | \"$SECATEUR\" lods - -o - --levels 0.5 > lods-piped.glb"
+         \"$SECATEUR\" lods oak.glb -o lods.glb --levels 0.5 --screen-height 270 > lods.txt && \
+         cat oak.glb | \"$SECATEUR\" lods - -o - --levels 0.5 --screen-height 270 > lods-piped.glb"
     );
     let ran = bench.run_in_shell(&line).succeeded();
     assert_eq!(ran.stdout, "");

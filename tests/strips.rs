@@ -58,7 +58,7 @@ fn assert_same_in_strips(list: &Path, strips: &Path) {
 /// Each triangle is there once, and faces where it did; leaves are found as before.
 #[test]
 fn a_level_in_strips_has_the_triangles_of_the_list() {
-    let bench = Bench::new();
+    let bench = Bench::for_small_screen();
     let options = ["--triangles", "0.3", "--no-audit"];
     for (name, more) in [
         ("list", &[][..]),
@@ -82,7 +82,7 @@ fn a_level_in_strips_has_the_triangles_of_the_list() {
 /// The plant itself is one of them, and is written in strips too.
 #[test]
 fn levels_in_strips_are_those_in_lists() {
-    let bench = Bench::new();
+    let bench = Bench::for_small_screen();
     for (folder, more) in [("lists", &[][..]), ("strips", &["--strips"])] {
         let call = ["lods", "oak.glb", "-o", folder, "--levels", "0.4,0.2"];
         bench.run(&[&call[..], more].concat()).succeeded();

@@ -20,7 +20,7 @@ fn files(bench: &Bench, record: &Value) -> Vec<PathBuf> {
 
 #[test]
 fn crossed_planes_end_a_chain_in_every_layout() {
-    let bench = Bench::new();
+    let bench = Bench::for_small_screen();
     for (layout, output) in [("files", "c"), ("siblings", "s.glb"), ("msft", "m.glb")] {
         let lods = [
             "lods",
@@ -233,8 +233,9 @@ fn cards_are_taken_unasked_where_they_are_lighter() {
     let bench = Bench::new();
     let lods = |options: &[&str]| {
         let lods = ["lods", "oak.glb", "-o", "c", "--report", "r.json"];
+        let quickly = ["--overwrite", "--effort", "fast"];
         bench
-            .run(&[&lods[..], options, &["--overwrite"]].concat())
+            .run(&[&lods[..], options, &quickly].concat())
             .succeeded();
         bench.json("r.json")
     };

@@ -67,12 +67,13 @@ const OF_WOOD: f64 = 0.45;
 /// Of how many views, those that show most, the worst block of wood is the mean.
 const WOOD_VIEWS: usize = 2;
 
-/// After how many views a level is given up, and from how many times the limits on.
-///
-/// The first factor is for plants of [`ALIKE_FROM_PX`] and more, chosen on ten plants, whose levels it did not change.
-/// Views of smaller plants differ more, so there the second factor counts: 4 / 2, by which the mean of a search of four
-/// views falls if the other two are 0, and 6 / 4, the same of six views after four.
-const SURELY_BEYOND: [(usize, [f64; 2]); 2] = [(2, [1.3, 2.0]), (4, [1.1, 1.5])];
+/// After how many views a level may be given up: enough for what is far beyond the limits.
+const FIRST_VIEWS: usize = 2;
+
+/// From how many times the limits on it is, for plants of [`ALIKE_FROM_PX`] and more, chosen on ten plants, whose levels it
+/// did not change; and for smaller ones, whose views differ more: 4 / 2, by which the mean of a search of four views falls
+/// if the other two are 0.
+const SURELY_BEYOND: [f64; 2] = [1.3, 2.0];
 
 /// The height in pixels from which on the views of one level are about alike.
 const ALIKE_FROM_PX: f64 = 200.0;
@@ -334,25 +335,20 @@ impl DifferenceJudge {
         let of_plant = |plant: usize| {
             let eyes = self.eyes(self.plants.sphere(plant), count);
             let mut views: Vec<ViewScores> = Vec::new();
-            // Two at a time: enough for what is far beyond the limits.
-            for pair in eyes.chunks(2) {
-                let judged = pair.par_iter().map(|eye| {
-                    let drawn = self.picture(plant, eye, pixels_high);
-                    let (frame, original) = &*drawn;
-                    let level = self.draw(&seen(plant, eye.at), 0, frame);
-                    original.scores(&level, frame)
-                });
-                views.par_extend(judged);
-                let so_far = Difference::of_views(&views);
-                let over = so_far.over(limits);
-                let is_small = usize::from(pixels_high < ALIKE_FROM_PX);
-                let is_beyond = |(count, most): &(usize, [f64; 2])| {
-                    views.len() == *count && over > most[is_small]
-                };
-                if views.len() < eyes.len() && SURELY_BEYOND.iter().any(is_beyond) {
-                    return so_far;
-                }
+            let scores = |eye: &Eye| {
+                let drawn = self.picture(plant, eye, pixels_high);
+                let (frame, original) = &*drawn;
+                let level = self.draw(&seen(plant, eye.at), 0, frame);
+                original.scores(&level, frame)
+            };
+            let (first, rest) = eyes.split_at(FIRST_VIEWS.min(eyes.len()));
+            views.par_extend(first.par_iter().map(scores));
+            let so_far = Difference::of_views(&views);
+            let is_small = usize::from(pixels_high < ALIKE_FROM_PX);
+            if rest.is_empty() || so_far.over(limits) > SURELY_BEYOND[is_small] {
+                return so_far;
             }
+            views.par_extend(rest.par_iter().map(scores));
             Difference::of_views(&views)
         };
         let mut worst = Difference::default();

@@ -113,7 +113,7 @@ proptest! {
         let drawn = |seek| {
             let mut frontmost = vec![NOTHING; SIDE * SIDE];
             let mut nearness = vec![f32::NEG_INFINITY; SIDE * SIDE];
-            for (number, members) in triangles_by_band(&triangles, SIDE, seek).iter().enumerate() {
+            for (number, members) in triangles_by_band(&triangles, (SIDE, BAND_ROWS), seek).iter().enumerate() {
                 let first = number * BAND_ROWS;
                 let samples = first * SIDE..SIDE * SIDE.min(first + BAND_ROWS);
                 let rows = (&mut frontmost[samples.clone()], &mut nearness[samples]);

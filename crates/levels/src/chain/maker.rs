@@ -266,7 +266,11 @@ impl<'a> Maker<'a> {
             }
         }
         let height_m = self.look.height * unit_m;
-        let is_usual = USUAL_HEIGHTS_M.contains(&self.size_m().max(height_m));
+        let (extent_m, way) = match self.size_m() > 1.01 * height_m {
+            true => (self.size_m(), "wide"),
+            false => (height_m, "high"),
+        };
+        let is_usual = USUAL_HEIGHTS_M.contains(&extent_m);
         let mut remarks = match self.look.judge().plant_count() {
             1 => Vec::new(),
             count => vec![
@@ -280,7 +284,7 @@ impl<'a> Maker<'a> {
         if self.options.plant_height_m.is_none() && !is_usual {
             remarks.push(
                 Note::from(format!(
-                    "the plant is {height_m:.3} units high, taken for metres: "
+                    "the plant is {extent_m:.3} units {way}, taken for metres: "
                 ))
                 .naming(NamedOption::PlantHeight)
                 .then(" says how high it really is"),

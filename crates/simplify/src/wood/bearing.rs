@@ -84,13 +84,18 @@ pub(super) fn bearing(wood: &Foliage, levels: &[&[Level]], leaves: &Foliage) -> 
             .collect();
         let borne = |leaf: u32| {
             let points = points_of(leaves.triangles_of(LeafId::from_index(leaf as usize)));
-            let bears = |shape: &&Shape| points.iter().any(|p| shape.is_within(*p, largest_gap));
+            // What is nearest to the wood is mostly near to a level of it, too.
+            let (_, first) = nearest[leaf as usize];
+            let is_near = |shape: &Shape, point| shape.is_within(point, largest_gap);
+            let bears = |shape: &&Shape| {
+                is_near(shape, first) || points.iter().any(|point| is_near(shape, *point))
+            };
             Borne {
                 leaf,
                 coarsest: shapes.iter().take_while(bears).count() as u32,
             }
         };
-        hanging.into_iter().map(borne).collect()
+        hanging.into_par_iter().map(borne).collect()
     };
     let of_pieces = leaves_of.into_par_iter().enumerate().map(of_piece);
     Bearing {
