@@ -70,9 +70,9 @@ const WOOD_VIEWS: usize = 2;
 /// After how many views a level may be given up: enough for what is far beyond the limits.
 const FIRST_VIEWS: usize = 2;
 
-/// From how many times the limits on it is, for plants of [`ALIKE_FROM_PX`] and more, chosen on ten plants, whose levels it
-/// did not change; and for smaller ones, whose views differ more: 4 / 2, by which the mean of a search of four views falls
-/// if the other two are 0.
+/// What these views may show, as a multiple of the limits, before a level is given up: of plants of [`ALIKE_FROM_PX`] and
+/// more, by ten plants whose levels it did not change; and of smaller ones, whose views differ more, by which a mean of four
+/// views falls if the other two show nothing.
 const SURELY_BEYOND: [f64; 2] = [1.3, 2.0];
 
 /// The height in pixels from which on the views of one level are about alike.

@@ -66,11 +66,10 @@ pub(crate) fn draw_cut_out<S: Borrow<Surface> + Sync>(
     let of_bands = of_bands.zip(drawn.core.par_chunks_mut(band_rows * width));
     // A band is shaded while its samples are at hand.
     let shade = |memory: &mut BandSamples, (band, ((rgb, coverage), core)): (usize, Pixels<'_>)| {
-        let rows = coverage.len() / width;
-        let Some(seen) = bands.seen(band, rows * per_side, memory) else {
+        let Some(seen) = bands.seen(band, memory) else {
             return;
         };
-        for k in 0..rows * width {
+        for k in 0..coverage.len() {
             let [x, y] = [k % width, band * band_rows + k / width];
             let pixel = scene.cut_out_pixel(x as u32, y as u32, samples, roles, seen);
             (rgb[k], coverage[k], core[k]) = (pixel.rgb.to_array(), pixel.coverage, pixel.core);
@@ -176,5 +175,93 @@ impl<S: Borrow<Surface>> SeenFrom<'_, S> {
             );
         }
         pixel.rgb += tone(spot.base_color(None) * lit.1) * count;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use glam::DVec3;
+    use secateur_model::{AlphaMode, Finish, Material};
+
+    use super::*;
+    use crate::Camera;
+    use crate::visibility::{Culling, visibility};
+
+    /// Triangles all over a view, of which the upper left has none.
+    fn scattered() -> Surface {
+        let at = |k: u32| {
+            let angle = 2.4 * f64::from(k);
+            let reach = 0.1 * f64::from(k).sqrt();
+            DVec3::new(
+                reach * angle.cos(),
+                reach * angle.sin(),
+                0.01 * f64::from(k),
+            )
+        };
+        let near = |middle: &DVec3| middle.x > -0.2 || middle.y < 0.2;
+        let middles: Vec<DVec3> = (0..60).map(at).filter(near).collect();
+        let corners = [
+            DVec3::ZERO,
+            DVec3::new(0.13, 0.02, 0.0),
+            DVec3::new(0.03, 0.17, 0.0),
+        ];
+        Surface {
+            positions: middles
+                .iter()
+                .flat_map(|m| corners.map(|c| *m + c))
+                .collect(),
+            normals: Vec::new(),
+            uvs: Vec::new(),
+            colors: Vec::new(),
+            holds: Vec::new(),
+            triangles: (0..middles.len() as u32)
+                .map(|k| [3 * k, 3 * k + 1, 3 * k + 2])
+                .collect(),
+            material: Arc::new(Material {
+                name: String::new(),
+                base_color: [0.5, 0.5, 0.5, 1.0],
+                texture: None,
+                alpha_mode: AlphaMode::Opaque,
+                double_sided: true,
+                finish: Finish::default(),
+            }),
+        }
+    }
+
+    /// Whatever the samples of a pixel, and where a band is empty or ends early, each pixel is covered as the samples of one
+    /// z-buffer for all say.
+    #[test]
+    fn bands_cover_what_one_buffer_does() {
+        let surfaces = [scattered()];
+        let camera = Camera {
+            eye: DVec3::Z * 3.0,
+            target: DVec3::ZERO,
+            up: DVec3::Y,
+            fov_y_rad: 0.6,
+        };
+        for samples in [1, 2, 3, 4] {
+            let [width, height] = [53, 47];
+            let lens = Lens::perspective(&camera, width * samples, height * samples);
+            let whole = visibility(&surfaces, &lens, Culling::Material, AlphaFrom::default());
+            let roles = CutOutRoles {
+                core: 0,
+                occluders: 1,
+            };
+            let how = (samples, false);
+            let drawn = draw_cut_out(&surfaces, roles, lens, how, AlphaFrom::default());
+            let is_seen = |x: u32, y: u32| whole.rows().at(x, y) != NOTHING;
+            let mut covered = 0;
+            for (k, share) in drawn.coverage.iter().enumerate() {
+                let (x, y) = (k as u32 % width, k as u32 / width);
+                let all = (0..samples * samples).map(|s| (s % samples, s / samples));
+                let seen = all.filter(|(dx, dy)| is_seen(x * samples + dx, y * samples + dy));
+                let expected = seen.count() as f32 / (samples * samples) as f32;
+                assert_eq!(*share, expected, "{samples} {x} {y}");
+                covered += usize::from(expected > 0.0);
+            }
+            assert!((300..2000).contains(&covered), "{covered}");
+        }
     }
 }

@@ -1,5 +1,6 @@
 //! What is seen is what a plain z-buffer shows.
 
+use super::bands::triangles_by_band;
 use super::*;
 use crate::lens::Projected;
 use crate::screen_triangle::Face;
