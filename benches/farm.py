@@ -5,7 +5,7 @@ Needs `pip install hyperqueue` and a built program. Grows the plants, makes leve
 as a batch and hands the items to HyperQueue's server with two workers of one core. A task is killed in the middle, then
 the server with both workers; a new one is given the whole plan again, and once more when all is done.
 
-usage: farm.py PROGRAM [--plants 1000] [--leaves 40] [--folder target/farm]
+usage: farm.py PROGRAM [--plants 1000] [--leaves 20] [--folder target/farm]
 """
 
 import argparse

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use secateur::chain::Wanted;
-use secateur::{Amount, Document, Layout, LevelsOptions, Plant, WriteOptions};
+use secateur::{Amount, Document, ImageFormat, Layout, LevelsOptions, Plant, WriteOptions, judge};
 
 use crate::program::{Bench, shared_tree};
 use crate::validator::assert_valid;
@@ -16,8 +16,8 @@ fn both_ways(bench: &Bench, plant: &Plant) -> [Vec<PathBuf>; 2] {
     };
     options.screen.height_px = 270.0;
     let levels = plant.levels(&options).unwrap().named("plant");
-    [false, true].map(|compress| {
-        let folder = bench.path(if compress { "small" } else { "plain" });
+    [None, Some(ImageFormat::WebP)].map(|compress| {
+        let folder = bench.path(if compress.is_some() { "small" } else { "plain" });
         let how = WriteOptions::default().compress(compress);
         let prepared = levels.prepare(&folder, Layout::Files, how).unwrap();
         prepared.commit().unwrap().files
@@ -101,4 +101,33 @@ fn a_plant_far_off_keeps_its_shape() {
     for (plain, small) in plain.iter().zip(&small) {
         assert_same_looks(plain, small);
     }
+}
+
+/// Images of colours become KTX2, which a reader decodes to nearly the same texels; what else there is becomes WebP.
+#[test]
+fn colours_become_ktx2() {
+    let bench = Bench::new();
+    bench.put("oak.glb", crate::program::oak());
+    for (file, images) in [("webp.glb", "--compress"), ("ktx2.glb", "--compress=ktx2")] {
+        let made = [
+            "simplify",
+            "oak.glb",
+            "--triangles",
+            "0.5",
+            images,
+            "-o",
+            file,
+        ];
+        bench.run(&made).succeeded();
+    }
+    let [webp, ktx2] = ["webp.glb", "ktx2.glb"].map(|name| bench.path(name));
+    let names = required(&ktx2);
+    assert!(
+        names.contains(&"KHR_texture_basisu".to_owned()),
+        "{names:?}"
+    );
+    assert_valid(std::slice::from_ref(&ktx2));
+    let seen = judge(&Plant::open(&webp).unwrap(), &Plant::open(&ktx2).unwrap()).unwrap();
+    let seen = seen.difference_at(256.0);
+    assert!(seen.difference < 0.05, "{seen:?}");
 }

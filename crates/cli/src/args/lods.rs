@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use secateur::engines::EngineName;
-use secateur::{Alpha, Effort, Engine, Memory, Sides};
+use secateur::{Alpha, Effort, Engine, ImageFormat, Memory, Sides};
 
 use super::super::names::{ChainPresetName, ChainWoodName};
 use super::{OF_RECORDS, PlantArgs, SceneArgs, WindArg, leaves, number, share};
@@ -127,9 +127,15 @@ pub(crate) struct Lods {
     /// Replace levels of other runs that have the same names.
     #[arg(long)]
     pub(crate) overwrite: bool,
-    /// Quantise and compress geometry (meshopt).
-    #[arg(long)]
-    pub(crate) compress: bool,
+    /// Quantise and compress geometry (meshopt), and write images as [alone: webp].
+    #[arg(
+        long,
+        value_name = "IMAGES",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "webp"
+    )]
+    pub(crate) compress: Option<ImageFormat>,
     /// Write triangles as strips in place of lists, made from the coarse to the fine.
     #[arg(long)]
     pub(crate) strips: bool,

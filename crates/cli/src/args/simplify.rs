@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use clap::Args;
 use secateur::{
     Alpha, ChainOptions, ColorChoice, CutoffChoice, Effort, Engine, FieldOfView, Fitting,
-    FsaOptions, LeafTriangles, MergeOptions, MeshoptMode, Needles, PartLevel, Preset, Reference,
-    Resize, Resolution, Sides, StochasticOptions, Target, Ties, WoodMode,
+    FsaOptions, ImageFormat, LeafTriangles, MergeOptions, MeshoptMode, Needles, PartLevel, Preset,
+    Reference, Resize, Resolution, Sides, StochasticOptions, Target, Ties, WoodMode,
 };
 
 use super::super::names::MethodName;
@@ -26,9 +26,15 @@ pub(crate) struct Simplify {
     /// Let the buffer of a .gltf replace a file beside it that is not its own.
     #[arg(long)]
     pub(crate) overwrite: bool,
-    /// Quantise and compress geometry (meshopt).
-    #[arg(long)]
-    pub(crate) compress: bool,
+    /// Quantise and compress geometry (meshopt), and write images as [alone: webp].
+    #[arg(
+        long,
+        value_name = "IMAGES",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "webp"
+    )]
+    pub(crate) compress: Option<ImageFormat>,
     /// Write triangles as strips in place of lists, made from the coarse to the fine.
     #[arg(long)]
     pub(crate) strips: bool,

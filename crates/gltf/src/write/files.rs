@@ -41,6 +41,20 @@ pub struct Written {
     pub notes: Vec<String>,
 }
 
+/// What images become in a compressed file.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+pub enum ImageFormat {
+    /// PNG becomes lossless WebP (`EXT_texture_webp`) where that saves a twentieth.
+    #[default]
+    #[cfg_attr(feature = "cli", value(name = "webp"))]
+    WebP,
+    /// Colours become KTX2 (`KHR_texture_basisu`): ETC1S with mip maps, which a GPU keeps in a quarter of the bytes or
+    /// less. Other PNG images become WebP.
+    #[cfg(feature = "ktx2")]
+    Ktx2,
+}
+
 /// How files may be written.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
@@ -49,10 +63,10 @@ pub struct WriteOptions {
     /// buffer of the .gltf that is there, and levels of a chain that of files that
     /// are there.
     pub overwrite: bool,
-    /// Whether geometry gets fewer bits and is compressed: `EXT_meshopt_compression`, and
-    /// `KHR_mesh_quantization` for normals. Positions keep 14 bits of the longest side of what they span. PNG images
-    /// become lossless WebP (`EXT_texture_webp`) where that saves a twentieth.
-    pub compress: bool,
+    /// Where there is a format, geometry gets fewer bits and is compressed: `EXT_meshopt_compression`, and
+    /// `KHR_mesh_quantization` for normals. Positions keep 14 bits of the longest side of what they span. Images become
+    /// of this format, where that is smaller.
+    pub compress: Option<ImageFormat>,
     /// Whether triangles with indices are written as strips (mode 5) in place of lists, one strip for each primitive. A note
     /// says how many indices either takes.
     pub strips: bool,
@@ -65,7 +79,8 @@ impl WriteOptions {
     }
 
     /// These options, with `compress` as given.
-    pub fn compress(self, compress: bool) -> Self {
+    pub fn compress(self, compress: impl Into<Option<ImageFormat>>) -> Self {
+        let compress = compress.into();
         Self { compress, ..self }
     }
 
@@ -76,7 +91,7 @@ impl WriteOptions {
 
     /// Whether a finished file is written otherwise than it is.
     pub(super) fn rewrite(self) -> bool {
-        self.compress || self.strips
+        self.compress.is_some() || self.strips
     }
 
     /// Refuses a path that [`Tree::prepare_lod`] could not write to, to know before
@@ -258,9 +273,10 @@ impl Tree {
             content = self.rewritten(content, super::strips::stripped)?;
             content.notes.splice(0..0, notes);
         }
-        if options.compress {
+        if let Some(format) = options.compress {
             let notes = std::mem::take(&mut content.notes);
-            content = self.rewritten(content, super::compress::quantised)?;
+            let quantised = |read: &Document| super::compress::quantised(read, format);
+            content = self.rewritten(content, quantised)?;
             content.notes = notes;
         }
         let (triangles, mut notes) = (content.triangles, content.notes.clone());
@@ -284,7 +300,7 @@ impl Tree {
     fn rewritten(
         &self,
         content: Content,
-        how: fn(&Document) -> Result<Content, Fault>,
+        how: impl Fn(&Document) -> Result<Content, Fault>,
     ) -> Result<Content, GltfError> {
         let document = &self.document;
         let glb = glb_bytes(&content.root, content.buffer)

@@ -3,11 +3,11 @@
 //! Only buffer views that accessors alone use are compressed. Streams of the input come
 //! through as they are.
 
+mod images;
 mod layout;
 mod octahedral;
 mod quantise;
 mod streams;
-mod webp;
 
 use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap, HashSet};

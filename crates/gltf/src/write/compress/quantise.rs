@@ -10,11 +10,12 @@ use serde_json::Value;
 use super::super::content::{Content, finished};
 use super::super::draft::{Draft, NewElements, Role};
 use super::super::drop_unreferenced::References;
+use super::super::files::ImageFormat;
 use super::super::grid::rounded;
 use super::super::primitive::new_indices;
 use super::super::references::{as_index, items, len};
 use super::octahedral::nearest;
-use super::{Compression, need_extension, webp};
+use super::{Compression, images, need_extension};
 use crate::Document;
 use crate::accessor::{Accessor, Component, Shape, is_index};
 use crate::error::Fault;
@@ -50,9 +51,12 @@ impl Kind {
     }
 }
 
-/// A file whose vertices have fewer bits, compressed, and its PNG images as WebP where that is smaller. What is no f32, is animated or morphs, or has a
-/// name of its own stays as it is.
-pub(in crate::write) fn quantised(document: &Document) -> Result<Content, Fault> {
+/// A file whose vertices have fewer bits, compressed, and whose images have a format of fewer bytes. What is no f32, is
+/// animated or morphs, or has a name of its own stays as it is.
+pub(in crate::write) fn quantised(
+    document: &Document,
+    format: ImageFormat,
+) -> Result<Content, Fault> {
     let mut draft = Draft::new(document);
     draft.compression.get_or_insert(Compression::Ext);
     let before = References::of(&mut draft.root);
@@ -99,7 +103,7 @@ pub(in crate::write) fn quantised(document: &Document) -> Result<Content, Fault>
             }
         }
     }
-    webp::images(&mut draft)?;
+    images::encode(&mut draft, format)?;
     finished(draft, &before, 0)
 }
 

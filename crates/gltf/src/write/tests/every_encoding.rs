@@ -6,7 +6,7 @@ use super::check::check_lod;
 use super::encodings;
 use super::fixture::read;
 use super::validator::assert_valid;
-use crate::{Document, Tree, WriteOptions};
+use crate::{Document, ImageFormat, Tree, WriteOptions};
 use secateur_model::{LeafId, Lod};
 
 /// The first leaf gone, the second of twice its area.
@@ -84,7 +84,7 @@ fn compressed_a_lod_is_the_same_within_a_step() {
         let lod = one_gone_one_grown(&tree);
         let write = |kind: &str, compress: bool| {
             let path = folder.path().join(format!("{name}-{kind}.glb"));
-            let options = WriteOptions::default().compress(compress);
+            let options = WriteOptions::default().compress(compress.then(ImageFormat::default));
             let prepared = tree.prepare_lod(&lod, &path, options).unwrap();
             prepared.document().unwrap();
             (prepared.commit().unwrap(), path)
