@@ -17,13 +17,31 @@ const PATIENCE: Duration = Duration::from_secs(60);
 fn main() {
     let folder = std::env::args().nth(1).expect("usage: bevy-levels FOLDER");
     let mut app = App::new();
-    let assets = AssetPlugin { file_path: folder, ..default() };
-    app.add_plugins((MinimalPlugins, assets, TransformPlugin, ScenePlugin, ImagePlugin::default()));
-    app.add_plugins((MeshPlugin, CameraPlugin, GltfPlugin::default(), oak_lods::LodsPlugin));
+    let assets = AssetPlugin {
+        file_path: folder,
+        ..default()
+    };
+    app.add_plugins((
+        MinimalPlugins,
+        assets,
+        TransformPlugin,
+        ScenePlugin,
+        ImagePlugin::default(),
+    ));
+    app.add_plugins((
+        MeshPlugin,
+        CameraPlugin,
+        GltfPlugin::default(),
+        oak_lods::LodsPlugin,
+    ));
     app.init_asset::<StandardMaterial>();
+    app.register_type::<MeshMaterial3d<StandardMaterial>>();
     app.finish();
     app.cleanup();
-    let scene = app.world().resource::<AssetServer>().load(GltfAssetLabel::Scene(0).from_asset("oak.glb"));
+    let scene = app
+        .world()
+        .resource::<AssetServer>()
+        .load(GltfAssetLabel::Scene(0).from_asset("oak.glb"));
     app.world_mut().spawn(SceneRoot(scene));
     let meshes = loaded(&mut app);
 
@@ -35,9 +53,18 @@ fn main() {
     for step in 0..400 {
         let distance = 0.5 * 1.02_f32.powi(step);
         let drawn = drawn_from(&mut app, &meshes, distance);
-        let places: Vec<usize> = drawn.iter().map(|name| levels.iter().position(|level| level == name).unwrap()).collect();
-        let (first, final_) = (*places.first().expect("something is drawn"), *places.last().unwrap());
-        assert!(first >= last && final_ <= first + 1, "{distance} m: {drawn:?}");
+        let places: Vec<usize> = drawn
+            .iter()
+            .map(|name| levels.iter().position(|level| level == name).unwrap())
+            .collect();
+        let (first, final_) = (
+            *places.first().expect("something is drawn"),
+            *places.last().unwrap(),
+        );
+        assert!(
+            first >= last && final_ <= first + 1,
+            "{distance} m: {drawn:?}"
+        );
         if first != last || step == 0 {
             println!("{distance:8.2} m: {drawn:?}");
         }
@@ -52,12 +79,17 @@ fn loaded(app: &mut App) -> Vec<Entity> {
     let start = Instant::now();
     loop {
         app.update();
-        let mut found = app.world_mut().query_filtered::<(Entity, Has<VisibilityRange>), With<Mesh3d>>();
+        let mut found = app
+            .world_mut()
+            .query_filtered::<(Entity, Has<VisibilityRange>), With<Mesh3d>>();
         let found: Vec<_> = found.iter(app.world()).collect();
         if !found.is_empty() && found.iter().all(|(_, has_range)| *has_range) {
             return found.into_iter().map(|(mesh, _)| mesh).collect();
         }
-        assert!(start.elapsed() < PATIENCE, "meshes without a range: {found:?}");
+        assert!(
+            start.elapsed() < PATIENCE,
+            "meshes without a range: {found:?}"
+        );
         std::thread::sleep(Duration::from_millis(10));
     }
 }
@@ -67,7 +99,9 @@ fn level(app: &App, mesh: Entity) -> String {
     let world = app.world();
     let mut place = Some(mesh);
     while let Some(entity) = place {
-        let name = world.get::<Name>(entity).map(|name| name.as_str().to_owned());
+        let name = world
+            .get::<Name>(entity)
+            .map(|name| name.as_str().to_owned());
         if let Some(name) = name.filter(|name| name.starts_with("oak_LOD") && !name.contains('.')) {
             return name;
         }
@@ -78,10 +112,15 @@ fn level(app: &App, mesh: Entity) -> String {
 
 /// The levels that are in range of a camera so far from the plant.
 fn drawn_from(app: &mut App, meshes: &[Entity], distance: f32) -> Vec<String> {
-    let camera = app.world_mut().spawn((Camera3d::default(), Transform::from_xyz(0.0, 0.0, distance))).id();
+    let camera = app
+        .world_mut()
+        .spawn((Camera3d::default(), Transform::from_xyz(0.0, 0.0, distance)))
+        .id();
     app.update();
     let ranges = app.world().resource::<VisibleEntityRanges>();
-    let seen = meshes.iter().filter(|mesh| ranges.entity_is_in_range_of_view(**mesh, camera));
+    let seen = meshes
+        .iter()
+        .filter(|mesh| ranges.entity_is_in_range_of_view(**mesh, camera));
     let mut names: Vec<String> = seen.map(|mesh| level(app, *mesh)).collect();
     names.sort();
     names.dedup();
