@@ -4,6 +4,7 @@ use serde_json::{Value, json};
 
 use crate::glb::{chunks, joined};
 use crate::program::Bench;
+use crate::validator::assert_valid;
 
 /// Leaves of the instanced plant.
 pub(crate) const INSTANCES: usize = 240;
@@ -212,4 +213,57 @@ fn the_plant_itself_stays_compressed_as_it_was() {
         record["triangles"].clone()
     };
     assert_eq!(triangles("levels/sheet_LOD0.glb"), triangles("sheet.glb"));
+}
+
+/// What is made of a compressed plant is compressed as it was: half of it is no larger than all of it.
+#[test]
+fn half_of_a_compressed_plant_is_compressed() {
+    let bench = Bench::new();
+    let sheet = compressed_sheet();
+    bench.put("sheet.glb", &sheet);
+    let half = [
+        "simplify",
+        "sheet.glb",
+        "-o",
+        "half.glb",
+        "--triangles",
+        "0.5",
+    ];
+    bench.run(&half).succeeded();
+    let file = bench.path("half.glb");
+    let bytes = std::fs::read(&file).unwrap();
+    assert!(
+        bytes.len() < sheet.len(),
+        "{} of {}",
+        bytes.len(),
+        sheet.len()
+    );
+    let root: Value = serde_json::from_slice(chunks(&bytes).0).unwrap();
+    assert_eq!(
+        root["extensionsRequired"],
+        json!(["KHR_draco_mesh_compression"])
+    );
+    assert_valid(&[file]);
+    // Levels in one file are compressed, too, and read again.
+    let levels = ["lods", "sheet.glb", "-o", "all.glb", "--levels", "0.5,0.2"];
+    bench.run(&levels).succeeded();
+    let all = std::fs::read(bench.path("all.glb")).unwrap();
+    assert!(
+        all.len() < 3 * sheet.len(),
+        "{} of {}",
+        all.len(),
+        sheet.len()
+    );
+    bench.run(&["inspect", "all.glb"]).succeeded();
+    let strips = [
+        "simplify",
+        "sheet.glb",
+        "-o",
+        "strips.glb",
+        "--triangles",
+        "0.5",
+        "--strips",
+    ];
+    bench.run(&strips).succeeded();
+    bench.run(&["inspect", "strips.glb"]).succeeded();
 }

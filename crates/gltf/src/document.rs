@@ -8,6 +8,7 @@ use serde_json::Value;
 
 use super::buffer::{self, Buffer};
 use super::container::{self, Unpacked};
+use super::draco::DracoBits;
 use super::error::{Fault, GltfError, Problem};
 use super::folder;
 use super::halves::Halves;
@@ -29,6 +30,8 @@ pub struct Document {
     pub(crate) root: Value,
     /// The JSON as it came, where `root` has another since geometry was decoded.
     pub(crate) undecoded: Option<Arc<Value>>,
+    /// How finely numbers were rounded where primitives were compressed by Draco; none where none was.
+    pub(crate) draco_bits: Option<DracoBits>,
     /// The bytes of `buffers`, in their order.
     pub(crate) buffers: Vec<Buffer>,
     /// How many bytes these are, those that buffers share counted once.
@@ -190,6 +193,7 @@ impl Document {
         let mut document = Self {
             root,
             undecoded: None,
+            draco_bits: None,
             data_bytes: buffer::distinct_bytes(&buffers),
             buffers,
             name: name.to_owned(),
@@ -233,6 +237,7 @@ impl Clone for Document {
         Self {
             root: self.root.clone(),
             undecoded: self.undecoded.clone(),
+            draco_bits: self.draco_bits,
             buffers: self.buffers.clone(),
             data_bytes: self.data_bytes,
             name: self.name.clone(),

@@ -7,6 +7,7 @@
 //! What is decoded is at most what the accessors speak of, and that is held against the file's size and
 //! the memory before. Where the decoder panics all the same, its data counts as damaged.
 
+mod bits;
 mod decoded;
 
 use std::collections::{HashMap, HashSet};
@@ -22,6 +23,7 @@ use super::buffer::Buffer;
 use super::error::{ALLOW_MORE, At, Fault, Problem};
 use super::property::{self, push, remove};
 
+pub(crate) use bits::DracoBits;
 use decoded::{stride, wrong_kind};
 
 const NAME: &str = "KHR_draco_mesh_compression";
@@ -92,13 +94,6 @@ struct Decoded {
 }
 
 impl Document {
-    /// What a reader of a result may wonder about, where any primitive was compressed.
-    pub(crate) fn note_of_draco(&self) -> Option<String> {
-        self.undecoded.as_ref()?;
-        let note = "Draco compression is read and not written: levels stay small only if they are compressed by meshopt";
-        Some(note.to_owned())
-    }
-
     /// Decodes all primitives that are compressed, but those that have all bytes without, too.
     pub(crate) fn decode_draco(&mut self) -> Result<(), Fault> {
         let compressed = self.compressed_primitives()?;
@@ -120,6 +115,10 @@ impl Document {
             self.undecoded = Some(self.root.clone().into());
         }
         self.put(decoded, &replaced);
+        self.draco_bits = match replaced.is_empty() {
+            true => None,
+            false => Some(DracoBits::of(self, &replaced)?),
+        };
         self.forget_draco();
         Ok(())
     }

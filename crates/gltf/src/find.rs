@@ -160,7 +160,6 @@ impl Document {
         report::others(inspection, self, &others)?;
         let levels_inside = self.levels_inside()?;
         inspection.notes.extend(self.note_of_levels(&levels_inside));
-        inspection.notes.extend(self.note_of_draco());
         inspection.warnings = self.warnings(&survey, &verdicts, selectors);
         let of_pictures = pictures.warnings().into_iter().map(Note::from);
         inspection.warnings.extend(of_pictures);

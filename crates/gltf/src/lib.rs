@@ -84,7 +84,7 @@
 //!   only where every extension of the file is one whose references are known.
 //! - The bytes that are still named are packed into one buffer.
 //! - What is meshopt-compressed or quantised stays so, and streams that still serve are copied;
-//!   Draco-compressed primitives are written without compression.
+//!   Draco-compressed primitives are written so, with vertices and triangles in another order.
 //! - The same input gives the same bytes.
 //!
 //! # Map

@@ -45,7 +45,7 @@ pub(super) fn sources(texture: &Value) -> Vec<usize> {
 
 /// The number of a new PNG image; that of `instead_of`, whose place and name it then takes, where there is one.
 pub(super) fn png_image(draft: &mut Draft, texture: &Texture, instead_of: Option<usize>) -> usize {
-    let view = draft.push_image(png_bytes(texture));
+    let view = draft.push_bytes(png_bytes(texture));
     put_png(draft, view, instead_of)
 }
 

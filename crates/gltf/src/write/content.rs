@@ -29,6 +29,7 @@ use crate::tree::Tree;
 use secateur_model::Lod;
 
 /// What a LOD's files hold.
+#[derive(Clone)]
 pub(super) struct Content {
     /// The JSON; the first of its `buffers` has no URI, a second one no bytes.
     pub(super) root: Value,

@@ -192,8 +192,8 @@ impl<'d> Draft<'d> {
         })
     }
 
-    /// Adds a view with the bytes of an image.
-    pub(super) fn push_image(&mut self, bytes: Vec<u8>) -> usize {
+    /// Adds a view with bytes that no accessor names: an image, or a stream.
+    pub(super) fn push_bytes(&mut self, bytes: Vec<u8>) -> usize {
         let length = bytes.len();
         self.push_view(None, bytes, length, Role::Image)
     }

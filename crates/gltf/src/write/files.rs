@@ -108,6 +108,34 @@ impl WriteOptions {
     }
 }
 
+/// This content with its geometry written in another way, such as strips.
+pub(super) fn rewritten(
+    document: &Document,
+    content: Content,
+    how: impl Fn(&Document) -> Result<Content, Fault>,
+) -> Result<Content, GltfError> {
+    let glb = glb_bytes(&content.root, content.buffer)
+        .ok_or_else(|| document.error(Problem::from(WriteProblem::TooLarge)))?;
+    let folder = document.base_dir.as_deref();
+    let read = Document::from_bytes_within(&document.name, glb, folder, document.memory)?;
+    let written = how(&read).map_err(|fault| read.error(fault))?;
+    Ok(Content {
+        triangles: content.triangles,
+        notes: content.notes.into_iter().chain(written.notes).collect(),
+        ..written
+    })
+}
+
+/// This content compressed by Draco, where the document that it is made of was.
+pub(super) fn compressed_as(document: &Document, content: Content) -> Result<Content, GltfError> {
+    match document.draco_bits {
+        Some(bits) => rewritten(document, content, |read| {
+            super::draco::compressed(read, bits)
+        }),
+        None => Ok(content),
+    }
+}
+
 /// A LOD whose files are written, under temporary names; see [`Tree::prepare_lod`].
 #[derive(Debug)]
 pub struct PreparedLod {
@@ -194,8 +222,9 @@ impl Tree {
     /// # Panics
     /// If the LOD is of another number of leaves.
     pub fn lod_to_bytes_with(&self, lod: &Lod, cutoffs: &Cutoffs) -> Result<Vec<u8>, GltfError> {
-        let content =
-            lod_content(self, lod, cutoffs).map_err(|fault| self.document.error(fault))?;
+        let content = lod_content(self, lod, cutoffs);
+        let content = content.map_err(|fault| self.document.error(fault))?;
+        let content = compressed_as(&self.document, content)?;
         glb_bytes(&content.root, content.buffer)
             .ok_or_else(|| self.document.error(Problem::from(WriteProblem::TooLarge)))
     }
@@ -269,16 +298,16 @@ impl Tree {
         let content = lod_content(self, lod, cutoffs);
         let mut content = content.map_err(|fault| self.document.error(fault))?;
         if options.strips {
-            let notes = std::mem::take(&mut content.notes);
-            content = self.rewritten(content, super::strips::stripped)?;
-            content.notes.splice(0..0, notes);
+            content = rewritten(&self.document, content, super::strips::stripped)?;
         }
-        if let Some(format) = options.compress {
-            let notes = std::mem::take(&mut content.notes);
-            let quantised = |read: &Document| super::compress::quantised(read, format);
-            content = self.rewritten(content, quantised)?;
-            content.notes = notes;
-        }
+        content = match options.compress {
+            Some(format) => {
+                let quantised = |read: &Document| super::compress::quantised(read, format);
+                rewritten(&self.document, content, quantised)?
+            }
+            None if options.strips => content,
+            None => compressed_as(&self.document, content)?,
+        };
         let (triangles, mut notes) = (content.triangles, content.notes.clone());
         let images = self.images_to_copy(&content.root, &target, &mut notes);
         let mut images = images.map_err(failed)?;
@@ -294,24 +323,6 @@ impl Tree {
         prepared.images = self.document.base_dir.clone();
         prepared.memory = self.document.memory;
         Ok(prepared)
-    }
-
-    /// This content with its triangles written in another way, such as strips.
-    fn rewritten(
-        &self,
-        content: Content,
-        how: impl Fn(&Document) -> Result<Content, Fault>,
-    ) -> Result<Content, GltfError> {
-        let document = &self.document;
-        let glb = glb_bytes(&content.root, content.buffer)
-            .ok_or_else(|| document.error(Problem::from(WriteProblem::TooLarge)))?;
-        let folder = document.base_dir.as_deref();
-        let read = Document::from_bytes_within(&document.name, glb, folder, document.memory)?;
-        let written = how(&read).map_err(|fault| read.error(fault))?;
-        Ok(Content {
-            triangles: content.triangles,
-            ..written
-        })
     }
 
     fn check_not_input(&self, target: &Output) -> Result<(), WriteProblem> {

@@ -14,6 +14,7 @@ mod compact_vertices;
 mod compress;
 mod content;
 mod cutoffs;
+mod draco;
 mod draft;
 mod drop_unreferenced;
 mod files;

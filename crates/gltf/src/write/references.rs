@@ -54,6 +54,13 @@ pub(super) fn visit_view_numbers(root: &mut Value, visit: &mut dyn FnMut(&mut Va
     for image in items(root, "images") {
         visit_field(image, "bufferView", visit);
     }
+    for mesh in items(root, "meshes") {
+        for primitive in items(mesh, "primitives") {
+            if let Some(draco) = primitive.pointer_mut("/extensions/KHR_draco_mesh_compression") {
+                visit_field(draco, "bufferView", visit);
+            }
+        }
+    }
 }
 
 /// Calls `visit` with each mesh number.
@@ -129,9 +136,10 @@ pub(super) fn count_references(
 /// buffer view or mesh other than in the places visited here.
 pub(super) fn knows_all_extensions(root: &Value) -> bool {
     const FAMILIES: [&str; 3] = ["KHR_materials_", "KHR_texture_", "EXT_texture_"];
-    const OTHERS: [&str; 9] = [
+    const OTHERS: [&str; 10] = [
         "EXT_mesh_gpu_instancing",
         "EXT_meshopt_compression",
+        "KHR_draco_mesh_compression",
         "KHR_lights_punctual",
         "KHR_mesh_quantization",
         "KHR_meshopt_compression",

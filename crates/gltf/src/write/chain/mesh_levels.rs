@@ -163,7 +163,7 @@ fn push_material(draft: &mut Draft, name: &str, material: &Material) -> usize {
 }
 
 fn push_texture(draft: &mut Draft, name: &str, texture: &Texture) -> usize {
-    let view = draft.push_image(png_bytes(texture));
+    let view = draft.push_bytes(png_bytes(texture));
     let source = draft.push(
         "images",
         json!({"name": name, "bufferView": view, "mimeType": "image/png"}),

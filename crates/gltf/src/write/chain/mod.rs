@@ -39,6 +39,7 @@ pub(super) use vertices::Baker;
 use super::content::{Content, count_triangles, finished, without_repeats};
 use super::draft::Draft;
 use super::drop_unreferenced::{References, drop_meshes, undrawn_meshes};
+use super::files::compressed_as;
 use super::leaf_edits::LeafEdits;
 use super::nodes::leave_out_levels;
 use super::skeleton::{drop_skeleton, rewrite_skeleton};
@@ -199,6 +200,17 @@ impl Tree {
         levels: &[Level],
         layout: Layout,
     ) -> Result<ChainFiles, GltfError> {
+        self.chain_files(name, levels, layout, true)
+    }
+
+    /// The files of a chain, compressed by Draco where the input is or not yet.
+    fn chain_files(
+        &self,
+        name: &str,
+        levels: &[Level],
+        layout: Layout,
+        compresses: bool,
+    ) -> Result<ChainFiles, GltfError> {
         let failed = |fault: Fault| self.document.error(fault);
         check(name, levels, layout).map_err(|problem| failed(Problem::Chain(problem).into()))?;
         let mut chain = ChainFiles {
@@ -227,21 +239,27 @@ impl Tree {
         for (number, (file, levels)) in of_files.into_iter().enumerate() {
             let content =
                 content(self, name, levels, layout, with_others(number)).map_err(failed)?;
-            chain.notes.extend(content.notes);
+            chain.notes.extend_from_slice(&content.notes);
             let mut counted = Counted::default();
             for level in levels {
                 let cost = LevelCost::of_level(&content.root, &level.name, &mut counted);
                 chain.costs.push(cost);
             }
-            let glb = glb_bytes(&content.root, content.buffer);
-            let mut bytes =
-                glb.ok_or_else(|| failed(Problem::from(WriteProblem::TooLarge).into()))?;
+            let compresses =
+                compresses && layout != Layout::Usd && self.document.draco_bits.is_some();
+            let to_compress = compresses.then(|| content.clone());
+            let too_large = || failed(Problem::from(WriteProblem::TooLarge).into());
+            let mut bytes = glb_bytes(&content.root, content.buffer).ok_or_else(too_large)?;
             let mut is_as_it_came = false;
             if let (Layout::Files, [level], Some(cost)) = (layout, levels, chain.costs.last()) {
                 let came = as_it_came::as_it_came(self, level, cost.draws, bytes.len());
                 if let Some(came) = came.map_err(failed)? {
                     (bytes, is_as_it_came) = (came, true);
                 }
+            }
+            if let Some(content) = to_compress.filter(|_| !is_as_it_came) {
+                let content = compressed_as(&self.document, content)?;
+                bytes = glb_bytes(&content.root, content.buffer).ok_or_else(too_large)?;
             }
             if let (Layout::Files, Some(cost)) = (layout, chain.costs.last_mut()) {
                 cost.bytes = bytes.len() as u64;

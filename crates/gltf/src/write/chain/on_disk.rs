@@ -110,7 +110,8 @@ impl Tree {
         path: &Path,
         options: WriteOptions,
     ) -> Result<PreparedChain, GltfError> {
-        let chain = self.chain_to_bytes(name, levels, layout)?;
+        // What they become is compressed, or written otherwise, file by file.
+        let chain = self.chain_files(name, levels, layout, false)?;
         let place_of = |file: &str| match layout {
             Layout::Files => path.join(file),
             Layout::Siblings | Layout::Msft => path.to_owned(),
@@ -174,7 +175,8 @@ impl Tree {
             memory,
             ..
         } = &self.document;
-        let document = Document::from_bytes_within(name, glb, base_dir.as_deref(), *memory)?;
+        let mut document = Document::from_bytes_within(name, glb, base_dir.as_deref(), *memory)?;
+        document.draco_bits = self.document.draco_bits;
         let parts = document.parts().map_err(|fault| document.error(fault))?;
         Ok(Tree {
             document,

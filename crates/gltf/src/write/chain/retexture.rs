@@ -193,7 +193,7 @@ impl Images {
         instead_of: Option<usize>,
     ) -> usize {
         let Some(&(view, image)) = self.0.get(&Arc::as_ptr(texture)) else {
-            let view = draft.push_image(png_bytes(texture));
+            let view = draft.push_bytes(png_bytes(texture));
             let image = put_png(draft, view, instead_of);
             self.0.insert(Arc::as_ptr(texture), (view, image));
             return image;

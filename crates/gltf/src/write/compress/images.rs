@@ -52,7 +52,7 @@ pub(super) fn encode(draft: &mut Draft, format: Format) -> Result<(), Fault> {
         let Some(encoded) = encoded else {
             continue;
         };
-        let view = draft.push_image(encoded.bytes);
+        let view = draft.push_bytes(encoded.bytes);
         let image = &mut draft.root["images"][number];
         image["bufferView"] = view.into();
         image["mimeType"] = encoded.mime.into();

@@ -172,7 +172,7 @@ fn items_of<'v>(object: &'v mut Value, list: &str) -> &'v mut Vec<Value> {
 }
 
 /// Names an extension that a reader must know.
-fn need_extension(root: &mut Value, name: &str) {
+pub(super) fn need_extension(root: &mut Value, name: &str) {
     for list in ["extensionsUsed", "extensionsRequired"] {
         let names = items_of(root, list);
         if !names.iter().any(|known| known == name) {
