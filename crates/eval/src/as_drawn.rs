@@ -15,6 +15,7 @@ use crate::mips::MipChains;
 use crate::over_frames::OverFrames;
 use crate::pictures::camera_of;
 use crate::render::{DrawnPicture, draw};
+use crate::surface_references::references;
 use crate::truth::{Truth, coverage_over_truth, covered_px};
 use crate::visibility::AlphaFrom;
 
@@ -105,6 +106,7 @@ impl AsDrawn {
     /// # Panics
     /// If `width_px` is 0, or there is no view.
     pub fn new<S: Borrow<Surface> + Sync>(original: &[S], views: &ViewSet, width_px: u32) -> Self {
+        let original = &references(original)[..];
         assert!(width_px > 0 && !views.is_empty());
         let truth = Truth::of(original, views, width_px);
         let mips = MipChains::of(original);
@@ -130,16 +132,18 @@ impl AsDrawn {
     /// This original, which compares the means of many frames as well: each further picture of the original
     /// and of what is measured takes as long as one of the truth.
     pub fn over_frames<S: Borrow<Surface> + Sync>(mut self, original: &[S]) -> Self {
+        let original = &references(original)[..];
         self.original_over_frames = Some(self.frames_of(original, &MipChains::of(original)));
         self
     }
 
-    fn frames_of<S: Borrow<Surface> + Sync>(&self, surfaces: &[S], mips: &MipChains) -> OverFrames {
+    fn frames_of(&self, surfaces: &[&Surface], mips: &MipChains) -> OverFrames {
         OverFrames::of(surfaces, mips, &self.views, self.width_px, &self.truth)
     }
 
     /// Draws a simplified tree from the same views, and compares.
     pub fn measure<S: Borrow<Surface> + Sync>(&self, simplified: &[S]) -> AsDrawnMeasurement {
+        let simplified = &references(simplified)[..];
         let mips = MipChains::of(simplified);
         let alpha = AlphaFrom::mips(Some(&mips));
         let drawn = ViewPictures::of(simplified, &self.views, self.width_px, alpha);
@@ -199,17 +203,14 @@ pub fn measure_as_drawn<S: Borrow<Surface> + Sync>(
     views: &ViewSet,
     width_px: u32,
 ) -> AsDrawnMeasurement {
+    let original = &references(original)[..];
+    let simplified = &references(simplified)[..];
     let original_drawn = AsDrawn::new(original, views, width_px);
     original_drawn.over_frames(original).measure(simplified)
 }
 
 impl ViewPictures {
-    fn of<S: Borrow<Surface> + Sync>(
-        surfaces: &[S],
-        views: &ViewSet,
-        width_px: u32,
-        alpha: AlphaFrom<'_>,
-    ) -> Self {
+    fn of(surfaces: &[&Surface], views: &ViewSet, width_px: u32, alpha: AlphaFrom<'_>) -> Self {
         let drawn = |view: &View| {
             let DrawnPicture { image, is_covered } =
                 draw(surfaces, &camera_of(view), &options(width_px, 1), alpha);

@@ -13,6 +13,7 @@ use crate::cut_mask::CutMasks;
 use crate::mips::{MipChains, MipMaps};
 use crate::pictures::camera_of;
 use crate::render::is_covered;
+use crate::surface_references::references;
 use crate::truth::coverage_over_truth;
 use crate::visibility::AlphaFrom;
 
@@ -59,6 +60,7 @@ impl AsDrawnCoverage {
         width_px: u32,
         known: &MipMaps,
     ) -> Self {
+        let original = &references(original)[..];
         assert!(width_px > 0 && !views.is_empty());
         let samples = (TRUTH_SIDE / width_px).clamp(1, 4);
         let masks = CutMasks::default();
@@ -83,6 +85,7 @@ impl AsDrawnCoverage {
 
     /// How much a client shows of a simplified tree. Mip maps that are not `known` are made.
     pub fn shown<S: Borrow<Surface> + Sync>(&self, simplified: &[S], known: &MipMaps) -> Shown {
+        let simplified = &references(simplified)[..];
         let counted = counted(simplified, &self.views, self.width_px, known);
         self.shown_by(&counted)
     }
@@ -98,12 +101,7 @@ impl AsDrawnCoverage {
     }
 }
 
-fn counted<S: Borrow<Surface> + Sync>(
-    surfaces: &[S],
-    views: &ViewSet,
-    width_px: u32,
-    known: &MipMaps,
-) -> Vec<Counted> {
+fn counted(surfaces: &[&Surface], views: &ViewSet, width_px: u32, known: &MipMaps) -> Vec<Counted> {
     let mips = MipChains::of_cut_outs(surfaces, known);
     let of_view = |view: &View| {
         let alpha = AlphaFrom::mips(Some(&mips));

@@ -1,7 +1,5 @@
 //! Pictures of many samples a pixel: what truly is there, and what a client shows over several frames.
 
-use std::borrow::Borrow;
-
 use image::RgbaImage;
 use secateur_model::Surface;
 use secateur_raster::View;
@@ -24,8 +22,8 @@ pub(crate) struct AveragedPicture {
 
 impl AveragedPicture {
     /// Of [`SAMPLES`] x [`SAMPLES`] samples a pixel, `width_px` x `width_px` pixels.
-    pub(crate) fn of<S: Borrow<Surface> + Sync>(
-        surfaces: &[S],
+    pub(crate) fn of(
+        surfaces: &[&Surface],
         view: &View,
         width_px: u32,
         alpha: AlphaFrom<'_>,

@@ -1,5 +1,6 @@
 //! Where a picture is taken from.
 
+use crate::surface_references::references;
 use std::borrow::Borrow;
 
 use glam::DVec3;
@@ -61,6 +62,7 @@ const FRAMING_MARGIN: f64 = 0.05;
 /// `aspect` is the picture's width over its height. Positions that are not finite
 /// are passed over; without any, a camera that looks at the origin.
 pub fn framing<S: Borrow<Surface>>(surfaces: &[S], aspect: f64) -> Camera {
+    let surfaces = &references(surfaces)[..];
     let azimuth = FRAMING_AZIMUTH_DEGREES.to_radians();
     let forward = DVec3::new(-azimuth.sin(), 0.03, -azimuth.cos());
     let axes = ViewAxes::looking(forward, DVec3::Y);
@@ -81,8 +83,8 @@ pub fn framing<S: Borrow<Surface>>(surfaces: &[S], aspect: f64) -> Camera {
 ///
 /// A point is left of the right-hand plane where x - x_eye <= tan (z - z_eye): so
 /// each plane asks only for the largest x - tan z of all points.
-fn eye_that_sees_all<S: Borrow<Surface>>(
-    surfaces: &[S],
+fn eye_that_sees_all(
+    surfaces: &[&Surface],
     axes: ViewAxes,
     tan_x: f64,
     tan_y: f64,
@@ -91,7 +93,7 @@ fn eye_that_sees_all<S: Borrow<Surface>>(
     let (tan_x, tan_y) = (tan_x * keep, tan_y * keep);
     let mut planes = [f64::NEG_INFINITY; 4];
     let mut depths = [f64::INFINITY, f64::NEG_INFINITY];
-    let positions = surfaces.iter().flat_map(|s| &s.borrow().positions);
+    let positions = surfaces.iter().flat_map(|s| &s.positions);
     for p in positions.filter(|p| p.is_finite()) {
         let p = axes.parts(*p);
         let leans = [

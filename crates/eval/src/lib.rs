@@ -44,6 +44,7 @@ mod shading;
 mod srgb;
 mod stand;
 mod strengths;
+mod surface_references;
 mod texel;
 mod truth;
 mod visibility;

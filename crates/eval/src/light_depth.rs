@@ -1,7 +1,5 @@
 //! How deep in the crown a point lies, seen from a light.
 
-use std::borrow::Borrow;
-
 use glam::DVec3;
 use secateur_model::{BoundingSphere, Surface};
 
@@ -24,8 +22,8 @@ pub(crate) struct LightDepth {
 impl LightDepth {
     /// The depths of surfaces within a sphere, from a light that shines along
     /// `direction`. `reach` and `blur` are shares of the sphere's radius.
-    pub(crate) fn new<S: Borrow<Surface> + Sync>(
-        surfaces: &[S],
+    pub(crate) fn new(
+        surfaces: &[&Surface],
         bounds: BoundingSphere,
         direction: DVec3,
         size: u32,

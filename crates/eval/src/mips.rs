@@ -14,6 +14,7 @@ use glam::{Vec2, Vec4};
 use secateur_model::{Material, Mips, Surface, Texture};
 
 use crate::srgb_byte;
+use crate::surface_references::references;
 use crate::texel::{alpha_cutoff, blend_texels, color_of, is_whole, nearest_texel};
 
 /// A texture and its mip levels.
@@ -30,6 +31,7 @@ pub struct MipMaps(Vec<Arc<MipChain>>);
 impl MipMaps {
     /// Of those base colour textures of these surfaces that cut something out.
     pub fn of_cut_outs<S: Borrow<Surface>>(surfaces: &[S]) -> Self {
+        let surfaces = &references(surfaces)[..];
         let mut all = Self::default();
         let chains = MipChains::of_cut_outs(surfaces, &all).chains;
         for chain in chains.into_iter().flatten() {
@@ -66,23 +68,23 @@ pub(crate) struct MipSampler<'a> {
 
 impl MipChains {
     /// Makes the chains of all base colour textures, each once.
-    pub(crate) fn of<S: Borrow<Surface>>(surfaces: &[S]) -> Self {
+    pub(crate) fn of(surfaces: &[&Surface]) -> Self {
         Self::of_those(surfaces, |_| true, &MipMaps::default())
     }
 
     /// Only those that cut something out, but for chains that are known.
-    pub(crate) fn of_cut_outs<S: Borrow<Surface>>(surfaces: &[S], known: &MipMaps) -> Self {
+    pub(crate) fn of_cut_outs(surfaces: &[&Surface], known: &MipMaps) -> Self {
         Self::of_those(surfaces, |m| alpha_cutoff(m).is_some(), known)
     }
 
-    fn of_those<S: Borrow<Surface>>(
-        surfaces: &[S],
+    fn of_those(
+        surfaces: &[&Surface],
         is_needed: impl Fn(&Material) -> bool,
         known: &MipMaps,
     ) -> Self {
         let mut made: HashMap<*const Texture, Arc<MipChain>> = HashMap::new();
         let chains = surfaces.iter().map(|surface| {
-            let material = &surface.borrow().material;
+            let material = &surface.material;
             let texture = material.texture.as_ref().filter(|_| is_needed(material));
             let texture = texture.filter(|texture| is_whole(texture))?;
             if let Some(known) = known.find(texture) {

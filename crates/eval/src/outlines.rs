@@ -10,6 +10,7 @@ use crate::as_drawn::specks;
 use crate::cut_mask::CutMasks;
 use crate::pictures::camera_of;
 use crate::render::is_covered;
+use crate::surface_references::references;
 use crate::visibility::AlphaFrom;
 
 /// For each view which pixels show a tree.
@@ -31,6 +32,7 @@ impl Outlines {
         views: &ViewSet,
         width_px: u32,
     ) -> Self {
+        let surfaces = &references(surfaces)[..];
         let masks = CutMasks::default();
         let alpha = AlphaFrom::masks(&masks);
         let of = |view: &View| is_covered(surfaces, &camera_of(view), width_px, alpha);

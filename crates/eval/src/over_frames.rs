@@ -7,8 +7,6 @@
 //! of the half covered pixels than the original itself does. Over frames the error averages out, and what
 //! is wrong with the level stays.
 
-use std::borrow::Borrow;
-
 use image::RgbaImage;
 use rayon::prelude::*;
 use secateur_model::Surface;
@@ -45,8 +43,8 @@ pub struct OverFrames {
 
 impl OverFrames {
     /// Of surfaces with these mip chains, from the views of `truth`.
-    pub(crate) fn of<S: Borrow<Surface> + Sync>(
-        surfaces: &[S],
+    pub(crate) fn of(
+        surfaces: &[&Surface],
         mips: &MipChains,
         views: &ViewSet,
         width_px: u32,

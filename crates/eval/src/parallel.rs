@@ -10,6 +10,7 @@ use secateur_model::Surface;
 use crate::camera::ViewAxes;
 use crate::lens::Lens;
 use crate::shading::Spot;
+use crate::surface_references::references;
 use crate::visibility::{AlphaFrom, Culling, visibility};
 
 /// A view along parallel rays.
@@ -55,6 +56,7 @@ pub fn seen_along<S: Borrow<Surface> + Sync>(
     [width, height]: [u32; 2],
     samples: u32,
 ) -> Vec<SeenTexel> {
+    let surfaces = &references(surfaces)[..];
     let axes = ViewAxes::looking(-view.toward, view.up);
     let per_unit = f64::from(samples) / view.texel;
     let lens = Lens::parallel_along(
@@ -77,7 +79,7 @@ pub fn seen_along<S: Borrow<Surface> + Sync>(
                 let Some(triangle) = seen.triangles.get(index as usize) else {
                     continue;
                 };
-                let surface = surfaces[triangle.face.surface as usize].borrow();
+                let surface = surfaces[triangle.face.surface as usize];
                 let Some(spot) = Spot::new(surface, triangle, at) else {
                     continue;
                 };

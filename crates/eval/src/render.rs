@@ -17,6 +17,7 @@ use crate::mips::{MipChains, MipSampler};
 use crate::screen_triangle::ScreenTriangle;
 use crate::shading::{Lighting, Spot};
 use crate::srgb_byte;
+use crate::surface_references::references;
 use crate::visibility::{AlphaFrom, Culling, NOTHING, SeenRows, outline, visibility};
 
 /// How a picture is drawn.
@@ -69,6 +70,7 @@ pub fn render<S: Borrow<Surface> + Sync>(
     camera: &Camera,
     options: &RenderOptions,
 ) -> RgbaImage {
+    let surfaces = &references(surfaces)[..];
     draw(surfaces, camera, options, AlphaFrom::default()).image
 }
 
@@ -80,8 +82,8 @@ pub(crate) struct DrawnPicture {
 }
 
 /// As [`render`], with textures read from mip maps if there are any.
-pub(crate) fn draw<S: Borrow<Surface> + Sync>(
-    surfaces: &[S],
+pub(crate) fn draw(
+    surfaces: &[&Surface],
     camera: &Camera,
     options: &RenderOptions,
     alpha: AlphaFrom<'_>,
@@ -120,8 +122,8 @@ pub(crate) fn draw<S: Borrow<Surface> + Sync>(
 
 /// By pixel, row by row, whether a camera sees anything but the background at its middle, in a
 /// square picture of `side` pixels.
-pub(crate) fn is_covered<S: Borrow<Surface> + Sync>(
-    surfaces: &[S],
+pub(crate) fn is_covered(
+    surfaces: &[&Surface],
     camera: &Camera,
     side: u32,
     alpha: AlphaFrom<'_>,
@@ -131,8 +133,8 @@ pub(crate) fn is_covered<S: Borrow<Surface> + Sync>(
 }
 
 /// A scene and what is seen of it.
-struct SeenFrom<'a, S> {
-    surfaces: &'a [S],
+struct SeenFrom<'a> {
+    surfaces: &'a [&'a Surface],
     triangles: &'a [ScreenTriangle],
     mips: Option<&'a MipChains>,
     lighting: Lighting,
@@ -140,7 +142,7 @@ struct SeenFrom<'a, S> {
     lens: Lens,
 }
 
-impl<S: Borrow<Surface>> SeenFrom<'_, S> {
+impl SeenFrom<'_> {
     /// The mean linear colour of a pixel's samples. Light changes little within
     /// a pixel and costs most: it is found once for samples of one triangle, and
     /// once for the background.
@@ -177,7 +179,7 @@ impl<S: Borrow<Surface>> SeenFrom<'_, S> {
 
     fn spot(&self, index: u32, at: Vec2) -> Option<Spot<'_>> {
         let triangle = self.triangles.get(index as usize)?;
-        let surface = self.surfaces[triangle.face.surface as usize].borrow();
+        let surface = self.surfaces[triangle.face.surface as usize];
         Spot::new(surface, triangle, at)
     }
 }

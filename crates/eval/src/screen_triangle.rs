@@ -1,7 +1,5 @@
 //! Triangles on a raster, clipped where they reach behind the eye.
 
-use std::borrow::Borrow;
-
 use glam::{DVec3, Vec2};
 use rayon::prelude::*;
 use secateur_model::Surface;
@@ -26,13 +24,9 @@ pub(crate) struct ScreenTriangle {
 
 /// All faces that a lens sees, in scene order. Faces with a position that is not
 /// finite or missing are left out.
-pub(crate) fn screen_triangles<S: Borrow<Surface> + Sync>(
-    surfaces: &[S],
-    lens: &Lens,
-) -> Vec<ScreenTriangle> {
+pub(crate) fn screen_triangles(surfaces: &[&Surface], lens: &Lens) -> Vec<ScreenTriangle> {
     let mut all = Vec::new();
     for (index, surface) in surfaces.iter().enumerate() {
-        let surface = surface.borrow();
         let views: Vec<DVec3> = surface
             .positions
             .par_iter()

@@ -1,7 +1,5 @@
 //! The colour of what a sample sees.
 
-use std::borrow::Borrow;
-
 use glam::{DVec3, Vec2, Vec3, Vec4};
 use secateur_model::{BoundingSphere, NormalMap, Surface};
 
@@ -45,11 +43,7 @@ struct Shade {
 impl Lighting {
     /// A sun over the camera's left shoulder and a sky above. With `shadows`,
     /// surfaces take light from each other.
-    pub(crate) fn new<S: Borrow<Surface> + Sync>(
-        surfaces: &[S],
-        axes: ViewAxes,
-        shadows: bool,
-    ) -> Self {
+    pub(crate) fn new(surfaces: &[&Surface], axes: ViewAxes, shadows: bool) -> Self {
         let level = DVec3::new(-axes.forward.x, 0.0, -axes.forward.z).normalize_or(-axes.forward);
         let to_sun = (level * 0.55 - axes.right * 0.6 + DVec3::Y * 0.95).normalize();
         let shade = shadows.then(|| bounds_of(surfaces)).flatten();
@@ -102,8 +96,8 @@ impl Lighting {
 }
 
 /// A sphere about all finite positions, and the lowest of their heights.
-fn bounds_of<S: Borrow<Surface>>(surfaces: &[S]) -> Option<(BoundingSphere, f64)> {
-    let all = || surfaces.iter().flat_map(|s| &s.borrow().positions);
+fn bounds_of(surfaces: &[&Surface]) -> Option<(BoundingSphere, f64)> {
+    let all = || surfaces.iter().flat_map(|s| &s.positions);
     let finite = || all().copied().filter(|p| p.is_finite());
     let (low, high) = finite().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| {
         (low.min(p), high.max(p))

@@ -189,7 +189,7 @@ impl StandPicture {
         let size = camera.size(height_px);
         let order = nearest_first(places, camera);
         let masks = CutMasks::default();
-        let lighting = Lighting::new::<Surface>(&[], camera.axes(), false);
+        let lighting = Lighting::new(&[], camera.axes(), false);
         let first_rows: Vec<u32> = (0..height_px).step_by(STRIP_ROWS as usize).collect();
         let strips = first_rows.into_par_iter().map(|first| {
             let rows = STRIP_ROWS.min(height_px - first);

@@ -14,6 +14,7 @@ use crate::outlines::Outlines;
 use crate::pictures::camera_of;
 use crate::point_in_triangle::{EDGE_SLACK, PointInTriangle};
 use crate::screen_triangle::screen_triangles;
+use crate::surface_references::references;
 use crate::visibility::{Alpha, Cut, is_front, sample_range};
 
 /// Pictures of a tree that hold, for each pixel, the greatest ratio of alpha to its cutoff among
@@ -40,6 +41,7 @@ impl Strengths {
         enough: f32,
         known: &MipMaps,
     ) -> Self {
+        let surfaces = &references(surfaces)[..];
         assert!(width_px > 0);
         let mips = MipChains::of_cut_outs(surfaces, known);
         let of_view = |view: &View| strengths(surfaces, &is_free, view, width_px, enough, &mips);
@@ -57,8 +59,8 @@ impl Strengths {
     }
 }
 
-fn strengths<S: Borrow<Surface> + Sync>(
-    surfaces: &[S],
+fn strengths(
+    surfaces: &[&Surface],
     is_free: impl Fn(usize) -> bool,
     view: &View,
     width_px: u32,
@@ -70,7 +72,7 @@ fn strengths<S: Borrow<Surface> + Sync>(
     let mut strengths = vec![0.0; width * width];
     for triangle in screen_triangles(surfaces, &lens) {
         let number = triangle.face.surface as usize;
-        let surface = surfaces[number].borrow();
+        let surface = surfaces[number];
         if !surface.material.double_sided && !is_front(&triangle) {
             continue;
         }

@@ -1,7 +1,5 @@
 //! What an original truly looks like: many samples a pixel, without mip maps.
 
-use std::borrow::Borrow;
-
 use image::RgbaImage;
 use secateur_model::Surface;
 use secateur_raster::ViewSet;
@@ -24,11 +22,7 @@ pub(crate) struct Truth {
 
 impl Truth {
     /// Of each view, `width_px` x `width_px` pixels.
-    pub(crate) fn of<S: Borrow<Surface> + Sync>(
-        original: &[S],
-        views: &ViewSet,
-        width_px: u32,
-    ) -> Vec<Self> {
+    pub(crate) fn of(original: &[&Surface], views: &ViewSet, width_px: u32) -> Vec<Self> {
         let masks = CutMasks::default();
         let alpha = AlphaFrom::masks(&masks);
         // One after another: of all samples of a view there is a list.

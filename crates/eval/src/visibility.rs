@@ -3,7 +3,6 @@
 mod bands;
 mod cut;
 
-use std::borrow::Borrow;
 use std::ops::Range;
 
 use glam::{Vec2, Vec4};
@@ -77,8 +76,8 @@ impl<'a> AlphaFrom<'a> {
 }
 
 /// Draws surfaces through a lens. Corners run counterclockwise on a front face.
-pub(crate) fn visibility<S: Borrow<Surface> + Sync>(
-    surfaces: &[S],
+pub(crate) fn visibility(
+    surfaces: &[&Surface],
     lens: &Lens,
     culling: Culling,
     alpha: AlphaFrom<'_>,
@@ -88,11 +87,7 @@ pub(crate) fn visibility<S: Borrow<Surface> + Sync>(
 
 /// By sample, row by row, whether a client draws anything there: as [`visibility`], but what is
 /// covered is looked at no more.
-pub(crate) fn outline<S: Borrow<Surface> + Sync>(
-    surfaces: &[S],
-    lens: &Lens,
-    alpha: AlphaFrom<'_>,
-) -> Vec<bool> {
+pub(crate) fn outline(surfaces: &[&Surface], lens: &Lens, alpha: AlphaFrom<'_>) -> Vec<bool> {
     let seen = drawn(surfaces, lens, (Culling::Material, Seek::Any), alpha);
     let is_covered = seen.frontmost.iter().map(|index| *index != NOTHING);
     is_covered.collect()
@@ -107,8 +102,8 @@ enum Seek {
     Any,
 }
 
-fn drawn<S: Borrow<Surface> + Sync>(
-    surfaces: &[S],
+fn drawn(
+    surfaces: &[&Surface],
     lens: &Lens,
     how: (Culling, Seek),
     alpha: AlphaFrom<'_>,

@@ -1,7 +1,5 @@
 //! The picture that a view takes of a plant: as large as the screen shows it, and no larger than it.
 
-use std::borrow::Borrow;
-
 use glam::{DVec2, DVec3};
 use secateur_model::{BoundingSphere, Surface};
 use secateur_raster::View;
@@ -103,7 +101,7 @@ pub(super) struct Frame {
 impl Frame {
     /// The picture of these surfaces from an eye, a unit of length at the plant's middle as `px_per_unit` pixels,
     /// unless its longest side would be too large.
-    pub(super) fn around<S: Borrow<Surface>>(surfaces: &[S], eye: &Eye, px_per_unit: f64) -> Self {
+    pub(super) fn around(surfaces: &[&Surface], eye: &Eye, px_per_unit: f64) -> Self {
         let [low, high] = tangents(surfaces, eye);
         let extent = (high - low).max(DVec2::ZERO);
         let longest = extent.max_element();
@@ -152,11 +150,10 @@ impl Frame {
 }
 
 /// The box of all corners of triangles, as tangents to the right and upwards.
-fn tangents<S: Borrow<Surface>>(surfaces: &[S], eye: &Eye) -> [DVec2; 2] {
+fn tangents(surfaces: &[&Surface], eye: &Eye) -> [DVec2; 2] {
     let most = DVec2::splat(eye.most_tangent);
     let mut bounds = [DVec2::INFINITY, DVec2::NEG_INFINITY];
     for surface in surfaces {
-        let surface = surface.borrow();
         for &corner in surface.triangles.iter().flatten() {
             let at = eye.axes.parts(surface.positions[corner as usize] - eye.at);
             if at.z > eye.near && at.is_finite() {

@@ -38,6 +38,7 @@ use picture::{DrawnPlant, PlantPicture, draw};
 use plants::Plants;
 
 use crate::cut_mask::CutMasks;
+use crate::surface_references::references;
 
 /// Azimuth and elevation of the views in degrees: azimuth 0 is +z, 90 is +x.
 const VIEWS: [[f64; 2]; 6] = [
@@ -338,7 +339,8 @@ impl DifferenceJudge {
             let scores = |eye: &Eye| {
                 let drawn = self.picture(plant, eye, pixels_high);
                 let (frame, original) = &*drawn;
-                let level = self.draw(&seen(plant, eye.at), 0, frame);
+                let surfaces = seen(plant, eye.at);
+                let level = self.draw(&references(&surfaces), 0, frame);
                 original.scores(&level, frame)
             };
             let (first, rest) = eyes.split_at(FIRST_VIEWS.min(eyes.len()));
@@ -368,8 +370,9 @@ impl DifferenceJudge {
         }
         let (surfaces, wood) = self.plants.surfaces(plant);
         let px_per_unit = pixels_high / self.size();
-        let frame = Frame::around(surfaces, eye, px_per_unit);
-        let drawn = self.draw(&surfaces.iter().collect::<Vec<_>>(), wood, &frame);
+        let surfaces = references(surfaces);
+        let frame = Frame::around(&surfaces, eye, px_per_unit);
+        let drawn = self.draw(&surfaces, wood, &frame);
         let picture = PlantPicture::of(drawn);
         let made = Arc::new((frame, picture));
         if pixels_high > MOST_KEPT_PX && self.plants.len() > MOST_PLANTS_KEPT {
@@ -411,12 +414,7 @@ impl DifferenceJudge {
         with(&mut drawn[0].pictures)
     }
 
-    fn draw<S: Borrow<Surface> + Sync>(
-        &self,
-        surfaces: &[S],
-        wood: usize,
-        frame: &Frame,
-    ) -> DrawnPlant {
+    fn draw(&self, surfaces: &[&Surface], wood: usize, frame: &Frame) -> DrawnPlant {
         let how = (self.turns_normals, &self.masks);
         draw(surfaces, wood, &self.occluders, frame, how)
     }

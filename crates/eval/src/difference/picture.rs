@@ -1,6 +1,5 @@
 //! What is drawn of a plant from a view, and how far a level's picture is from it.
 
-use std::borrow::Borrow;
 use std::sync::Arc;
 
 use secateur_model::Surface;
@@ -35,8 +34,8 @@ pub(super) struct PlantPicture {
 pub(super) struct DrawnPlant(CutOut);
 
 /// Draws surfaces, of which the first `wood` are wood, behind occluders.
-pub(super) fn draw<S: Borrow<Surface> + Sync>(
-    surfaces: &[S],
+pub(super) fn draw(
+    surfaces: &[&Surface],
     wood: usize,
     occluders: &[Arc<Surface>],
     frame: &Frame,
@@ -47,7 +46,7 @@ pub(super) fn draw<S: Borrow<Surface> + Sync>(
         occluders: surfaces.len(),
     };
     let occluders = occluders.iter().map(|surface| &**surface);
-    let all: Vec<&Surface> = surfaces.iter().map(S::borrow).chain(occluders).collect();
+    let all: Vec<&Surface> = surfaces.iter().copied().chain(occluders).collect();
     let how = (frame.samples, turns_normals);
     let alpha = AlphaFrom::masks(masks);
     DrawnPlant(draw_cut_out(&all, roles, frame.lens, how, alpha))

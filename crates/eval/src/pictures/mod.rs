@@ -22,6 +22,7 @@ use crate::cut_mask::CutMasks;
 use crate::flip::{FlipPicture, error_map};
 use crate::measure::Direction;
 use crate::render::draw;
+use crate::surface_references::references;
 use crate::visibility::AlphaFrom;
 use crate::{Camera, RenderOptions};
 
@@ -222,6 +223,7 @@ impl Pictures {
 
     /// Draws everything, wood and leaves, from every view of every set, without shadows.
     pub fn of<S: Borrow<Surface> + Sync>(surfaces: &[S], rigs: &[ViewSet]) -> Self {
+        let surfaces = &references(surfaces)[..];
         Self::of_size(surfaces, rigs, Self::RESOLUTION)
     }
 
@@ -235,6 +237,7 @@ impl Pictures {
         rigs: &[ViewSet],
         resolution: u32,
     ) -> Self {
+        let surfaces = &references(surfaces)[..];
         let options = Self::options(resolution);
         let masks = CutMasks::default();
         let alpha = AlphaFrom::masks(&masks);
@@ -265,7 +268,10 @@ impl Pictures {
         };
         let masks = CutMasks::default();
         let alpha = AlphaFrom::masks(&masks);
-        let picture = |view: &View| draw(&surfaces(view), &camera_of(view), &options, alpha).image;
+        let picture = |view: &View| {
+            let surfaces = surfaces(view);
+            draw(&references(&surfaces), &camera_of(view), &options, alpha).image
+        };
         // Parallel over the views, as each has parts that are not.
         Self::of_sets(vec![views.views().par_iter().map(picture).collect()])
     }

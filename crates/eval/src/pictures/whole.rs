@@ -9,6 +9,7 @@ use secateur_raster::{View, ViewSet};
 use super::{PictureMeasurement, Pictures, camera_of};
 use crate::cut_mask::CutMasks;
 use crate::render::{DrawnPicture, draw};
+use crate::surface_references::references;
 use crate::visibility::AlphaFrom;
 
 /// The pictures of one plant from the views that judge, with its outlines: wood and leaves, whoever
@@ -33,6 +34,7 @@ pub struct WholeMeasurement {
 impl WholePictures {
     /// Draws everything from every view of every set, as [`Pictures::of`].
     pub fn of<S: Borrow<Surface> + Sync>(surfaces: &[S], rigs: &[ViewSet]) -> Self {
+        let surfaces = &references(surfaces)[..];
         let options = Pictures::options(Pictures::RESOLUTION);
         let masks = CutMasks::default();
         let alpha = AlphaFrom::masks(&masks);

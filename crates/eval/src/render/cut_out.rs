@@ -1,7 +1,5 @@
 //! A plant alone: what it shows of each pixel, whatever is behind it.
 
-use std::borrow::Borrow;
-
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 use secateur_model::Surface;
@@ -34,8 +32,8 @@ pub(crate) struct CutOutRoles {
 
 /// Draws a plant alone through a lens of `samples` x `samples` samples a pixel, lit as [`render`] does without
 /// shadows, textures read without mip maps.
-pub(crate) fn draw_cut_out<S: Borrow<Surface> + Sync>(
-    surfaces: &[S],
+pub(crate) fn draw_cut_out(
+    surfaces: &[&Surface],
     roles: CutOutRoles,
     lens: Lens,
     (samples, turns_normals): (u32, bool),
@@ -92,7 +90,7 @@ struct CutOutPixel {
     core: f32,
 }
 
-impl<S: Borrow<Surface>> SeenFrom<'_, S> {
+impl SeenFrom<'_> {
     /// The plant's share of a pixel. Of 2 x 2 samples that see one triangle the colour is found once, in their
     /// middle.
     fn cut_out_pixel(
@@ -244,13 +242,18 @@ mod tests {
         for samples in [1, 2, 3, 4] {
             let [width, height] = [53, 47];
             let lens = Lens::perspective(&camera, width * samples, height * samples);
-            let whole = visibility(&surfaces, &lens, Culling::Material, AlphaFrom::default());
+            let whole = visibility(
+                &surfaces.each_ref(),
+                &lens,
+                Culling::Material,
+                AlphaFrom::default(),
+            );
             let roles = CutOutRoles {
                 core: 0,
                 occluders: 1,
             };
             let how = (samples, false);
-            let drawn = draw_cut_out(&surfaces, roles, lens, how, AlphaFrom::default());
+            let drawn = draw_cut_out(&surfaces.each_ref(), roles, lens, how, AlphaFrom::default());
             let is_seen = |x: u32, y: u32| whole.rows().at(x, y) != NOTHING;
             let mut covered = 0;
             for (k, share) in drawn.coverage.iter().enumerate() {

@@ -11,6 +11,7 @@ use crate::lens::Lens;
 use crate::render::tone;
 use crate::shading::{Lighting, Spot};
 use crate::srgb_byte;
+use crate::surface_references::references;
 use crate::visibility::{AlphaFrom, Culling, NOTHING, Visibility, visibility};
 
 /// Some rows of samples.
@@ -81,11 +82,12 @@ impl<'a> Strip<'a> {
         let draw = |camera: &StandCamera, surfaces: &[Surface]| {
             let lens = camera.lens(self.height_px, corner, size);
             let alpha = AlphaFrom::masks(masks);
-            (visibility(surfaces, &lens, Culling::Material, alpha), lens)
+            let surfaces = references(surfaces);
+            (visibility(&surfaces, &lens, Culling::Material, alpha), lens)
         };
         if let Some(camera) = self.camera.in_space_of(place.world_from_own) {
             let (seen, lens) = draw(&camera, &place.kind.surfaces);
-            let lighting = Lighting::new::<Surface>(&[], camera.axes(), false);
+            let lighting = Lighting::new(&[], camera.axes(), false);
             let surfaces = &place.kind.surfaces;
             return self.shade(number, [left, top], surfaces, &seen, (&lens, &lighting));
         }

@@ -1,6 +1,5 @@
 //! Bands of rows of the raster, each of which is drawn by itself.
 
-use std::borrow::Borrow;
 use std::sync::Arc;
 
 use secateur_model::Surface;
@@ -12,8 +11,8 @@ use crate::mips::MipChains;
 use crate::screen_triangle::{ScreenTriangle, screen_triangles};
 
 /// What a lens sees of surfaces, ready to be drawn in bands of rows.
-pub(crate) struct Bands<'a, S> {
-    surfaces: &'a [S],
+pub(crate) struct Bands<'a> {
+    surfaces: &'a [&'a Surface],
     mips: Option<&'a MipChains>,
     /// By surface, what is known of its alpha.
     masks: Vec<Option<Arc<CutMask>>>,
@@ -51,9 +50,9 @@ pub(crate) struct BandSamples {
     nearness: Vec<f32>,
 }
 
-impl<'a, S: Borrow<Surface> + Sync> Bands<'a, S> {
+impl<'a> Bands<'a> {
     pub(super) fn of(
-        surfaces: &'a [S],
+        surfaces: &'a [&'a Surface],
         lens: &Lens,
         (culling, seek): (Culling, Seek),
         alpha: AlphaFrom<'a>,
@@ -62,11 +61,11 @@ impl<'a, S: Borrow<Surface> + Sync> Bands<'a, S> {
         let mut triangles = screen_triangles(surfaces, lens);
         if culling == Culling::Material {
             triangles.retain(|triangle| {
-                let surface = surfaces[triangle.face.surface as usize].borrow();
+                let surface = surfaces[triangle.face.surface as usize];
                 surface.material.double_sided || is_front(triangle)
             });
         }
-        let mask = |surface: &S| alpha.masks?.of(&surface.borrow().material);
+        let mask = |surface: &&Surface| alpha.masks?.of(&surface.material);
         Self {
             surfaces,
             mips: alpha.mips,
@@ -81,7 +80,7 @@ impl<'a, S: Borrow<Surface> + Sync> Bands<'a, S> {
 
     /// As [`visibility`] draws, in bands of about [`BAND_ROWS`] rows, which are whole pixels of `samples` rows each.
     pub(crate) fn of_pixels(
-        surfaces: &'a [S],
+        surfaces: &'a [&'a Surface],
         lens: &Lens,
         alpha: AlphaFrom<'a>,
         samples: usize,
@@ -133,7 +132,7 @@ impl<'a, S: Borrow<Surface> + Sync> Bands<'a, S> {
                 mips: self.mips.and_then(|mips| mips.of_surface(number)),
                 mask: self.masks[number as usize].as_deref(),
             };
-            let surface = self.surfaces[number as usize].borrow();
+            let surface = self.surfaces[number as usize];
             drawn.draw(member, triangle, surface, alpha);
         }
     }
