@@ -28,8 +28,8 @@ use crate::{
     simplify_sharing, sphere_of,
 };
 
-/// Pixels a side of views in which levels of plants without leaves are judged. Their surfaces are large: with 512 half of the triangles of a crown of three balls
-/// have a difference of .35 at 400 pixels instead of .20, since all coarse levels are off by two pixels.
+/// Pixels a side of views in which levels of plants without leaves are judged. Half of a crown of three balls is .35 from it
+/// at 400 pixels by views of 512, and .20 by these: there all coarse levels are off by two pixels.
 const BARE_RESOLUTION: u32 = 256;
 
 /// The most pixels over all views in which levels are judged: 32 views of 512 x 512.

@@ -77,6 +77,8 @@ pub(super) fn go_on(_: Progress) -> ControlFlow<()> {
 #[test]
 fn a_chain_stops_when_it_is_asked_to() {
     let (tree, engine) = (oak(), engine());
+    let mut options = options(&[20.0, 60.0]);
+    options.screen.height_px = 270.0;
     let is_impostor = |progress| progress == Progress::Impostor;
     let is_stage = |progress| matches!(progress, Progress::Stage(_));
     let is_end = |progress| progress == Progress::Finish;
@@ -86,7 +88,7 @@ fn a_chain_stops_when_it_is_asked_to() {
         ends += usize::from(has_impostor && is_end(progress));
         ControlFlow::Continue(())
     };
-    let made = chain(&tree, &options(&[20.0, 60.0]), &engine, observer).unwrap();
+    let made = chain(&tree, &options, &engine, observer).unwrap();
     // After cards were sought, at least the switch to each level.
     assert!(ends >= made.levels.len(), "{ends}");
     let of_cards = [is_impostor, is_stage].map(|is_last: fn(Progress) -> bool| (is_last, 0));
@@ -105,7 +107,7 @@ fn a_chain_stops_when_it_is_asked_to() {
                 false => ControlFlow::Continue(()),
             }
         };
-        let made = chain(&tree, &options(&[20.0, 60.0]), &engine, observer);
+        let made = chain(&tree, &options, &engine, observer);
         let is_stopped = matches!(made, Err(ChainError::Simplify(Error::Stopped)));
         assert!(is_stopped && is_over);
     }
