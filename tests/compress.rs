@@ -120,6 +120,18 @@ fn colours_become_ktx2() {
         ];
         bench.run(&made).succeeded();
     }
+    let other = [
+        "simplify",
+        "oak.glb",
+        "--triangles",
+        "0.5",
+        "--compress=avif",
+        "-o",
+        "a.glb",
+    ];
+    let refused = bench.run(&other);
+    assert_eq!(refused.code, Some(2));
+    assert!(refused.stderr.contains("images become webp or ktx2"));
     let [webp, ktx2] = ["webp.glb", "ktx2.glb"].map(|name| bench.path(name));
     let names = required(&ktx2);
     assert!(

@@ -212,7 +212,7 @@ pub use tree::Tree;
 pub use vertex_alpha::VertexAlpha;
 pub use whole_tree::WholeTree;
 pub use write::{
-    CommitError, CutOutTexture, Cutoffs, ImageFormat, PreparedLod, StagedFiles, StandPart,
-    StandWriter, WriteOptions, Written, plant_into_glb, plant_to_glb, surfaces_to_glb,
+    CommitError, CutOutTexture, Cutoffs, ImageFormat, NoImageFormat, PreparedLod, StagedFiles,
+    StandPart, StandWriter, WriteOptions, Written, plant_into_glb, plant_to_glb, surfaces_to_glb,
 };
 pub use write_problem::WriteProblem;

@@ -174,10 +174,10 @@ pub use secateur_eval::{
 };
 pub use secateur_gltf::{
     CommitError, Cutoffs, Detail, Document, FoliageReport, GltfError, ImageFormat, Inspection,
-    LeafSurface, OtherPieces, Piece, PreparedLod, PrimitiveReport, Problem, Reason, SceneCamera,
-    ScenePieces, Selector, SelectorError, Spread, StagedFiles, TakenFor, Tree, VertexAlpha,
-    WholeTree, WriteOptions, WriteProblem, Written, has_extension, is_gltf_name, plant_into_glb,
-    plant_to_glb, surfaces_to_glb,
+    LeafSurface, NoImageFormat, OtherPieces, Piece, PreparedLod, PrimitiveReport, Problem, Reason,
+    SceneCamera, ScenePieces, Selector, SelectorError, Spread, StagedFiles, TakenFor, Tree,
+    VertexAlpha, WholeTree, WriteOptions, WriteProblem, Written, has_extension, is_gltf_name,
+    plant_into_glb, plant_to_glb, surfaces_to_glb,
 };
 pub use secateur_model::{
     AlphaMode, BoundingSphere, CollapseIndex, CornerRef, Cutout, Facing, Filters, Finish, Foliage,

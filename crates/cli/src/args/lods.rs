@@ -127,7 +127,7 @@ pub(crate) struct Lods {
     /// Replace levels of other runs that have the same names.
     #[arg(long)]
     pub(crate) overwrite: bool,
-    /// Quantise and compress geometry (meshopt), and write images as [alone: webp].
+    /// Quantise and compress geometry (meshopt), and write images as webp or ktx2 [default of the flag alone: webp].
     #[arg(
         long,
         value_name = "IMAGES",

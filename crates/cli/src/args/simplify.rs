@@ -26,7 +26,7 @@ pub(crate) struct Simplify {
     /// Let the buffer of a .gltf replace a file beside it that is not its own.
     #[arg(long)]
     pub(crate) overwrite: bool,
-    /// Quantise and compress geometry (meshopt), and write images as [alone: webp].
+    /// Quantise and compress geometry (meshopt), and write images as webp or ktx2 [default of the flag alone: webp].
     #[arg(
         long,
         value_name = "IMAGES",

@@ -4,6 +4,7 @@ mod output;
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 
 use serde_json::Value;
 
@@ -43,16 +44,40 @@ pub struct Written {
 
 /// What images become in a compressed file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum ImageFormat {
     /// PNG becomes lossless WebP (`EXT_texture_webp`) where that saves a twentieth.
     #[default]
-    #[cfg_attr(feature = "cli", value(name = "webp"))]
     WebP,
     /// Colours become KTX2 (`KHR_texture_basisu`): ETC1S with mip maps, which a GPU keeps in a quarter of the bytes or
     /// less. Other PNG images become WebP.
     #[cfg(feature = "ktx2")]
     Ktx2,
+}
+
+/// A format that images of a compressed file do not become.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum NoImageFormat {
+    /// Its name is none.
+    #[error("images become webp or ktx2")]
+    Unknown,
+    /// Its encoder is left out.
+    #[error("this build has no encoder for KTX2: build it with `--features ktx2`")]
+    NotBuilt,
+}
+
+impl FromStr for ImageFormat {
+    type Err = NoImageFormat;
+
+    fn from_str(name: &str) -> Result<Self, NoImageFormat> {
+        match name {
+            "webp" => Ok(Self::WebP),
+            #[cfg(feature = "ktx2")]
+            "ktx2" => Ok(Self::Ktx2),
+            #[cfg(not(feature = "ktx2"))]
+            "ktx2" => Err(NoImageFormat::NotBuilt),
+            _ => Err(NoImageFormat::Unknown),
+        }
+    }
 }
 
 /// How files may be written.

@@ -44,7 +44,7 @@ mod texels;
 mod vertices;
 
 pub use cutoffs::{CutOutTexture, Cutoffs};
-pub use files::{ImageFormat, PreparedLod, WriteOptions, Written};
+pub use files::{ImageFormat, NoImageFormat, PreparedLod, WriteOptions, Written};
 pub use plant::{plant_into_glb, plant_to_glb};
 pub(crate) use references::check_references;
 pub use staged_files::{CommitError, StagedFiles};
