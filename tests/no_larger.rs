@@ -1,5 +1,8 @@
 //! Levels take no more bytes and no more draws than their input, however that was packed.
 
+use std::path::Path;
+
+use secateur::Document;
 use serde_json::{Value, json};
 
 use crate::glb::{chunks, joined};
@@ -215,6 +218,29 @@ fn the_plant_itself_stays_compressed_as_it_was() {
     assert_eq!(triangles("levels/sheet_LOD0.glb"), triangles("sheet.glb"));
 }
 
+/// The accessors of a compressed primitive have as many vertices, between these bounds, as a decoder finds.
+#[track_caller]
+fn assert_says_what_is_decoded(file: &Path, root: &Value) {
+    let primitive = &root["meshes"][0]["primitives"][0];
+    let accessor = |number: &Value| &root["accessors"][number.as_u64().unwrap() as usize];
+    let positions = accessor(&primitive["attributes"]["POSITION"]);
+    let surfaces = Document::open(file).unwrap().surfaces(&[]).unwrap();
+    let decoded = &surfaces[0].0.positions;
+    assert_eq!(positions["count"], decoded.len());
+    for axis in 0..3 {
+        // Below a node that makes it three times as large.
+        let of_axis = decoded.iter().map(|position| position[axis] / 3.0);
+        let bounds = [
+            of_axis.clone().fold(f64::INFINITY, f64::min),
+            of_axis.fold(f64::NEG_INFINITY, f64::max),
+        ];
+        for (bound, said) in bounds.iter().zip(["min", "max"]) {
+            let said = positions[said][axis].as_f64().unwrap();
+            assert!((bound - said).abs() < 1e-6, "{bound} {said}");
+        }
+    }
+}
+
 /// What is made of a compressed plant is compressed as it was: half of it is no larger than all of it.
 #[test]
 fn half_of_a_compressed_plant_is_compressed() {
@@ -243,6 +269,7 @@ fn half_of_a_compressed_plant_is_compressed() {
         root["extensionsRequired"],
         json!(["KHR_draco_mesh_compression"])
     );
+    assert_says_what_is_decoded(&file, &root);
     assert_valid(&[file]);
     // Levels in one file are compressed, too, and read again.
     let levels = ["lods", "sheet.glb", "-o", "all.glb", "--levels", "0.5,0.2"];
