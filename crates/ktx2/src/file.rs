@@ -121,3 +121,25 @@ fn shared(basis: &Basis<'_>) -> Option<Vec<u8>> {
     bytes.extend(parts.concat());
     Some(bytes)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Which numbers the format has for ETC1S: its colours first, then alpha in the other half of a block.
+    #[test]
+    fn a_descriptor_names_its_channels() {
+        for (has_alpha, bytes) in [(false, 44), (true, 60)] {
+            let descriptor = descriptor(has_alpha);
+            assert_eq!(descriptor.len(), bytes);
+            assert_eq!(descriptor[..4], (bytes as u32).to_le_bytes());
+            let samples: Vec<&[u8]> = descriptor[28..].chunks(16).collect();
+            assert_eq!(samples[0][..4], [0, 0, 63, 0]);
+            assert!(
+                samples[1..]
+                    .iter()
+                    .all(|sample| sample[..4] == [64, 0, 63, 15])
+            );
+        }
+    }
+}
