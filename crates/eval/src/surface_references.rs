@@ -4,7 +4,7 @@ use std::borrow::Borrow;
 
 use secateur_model::Surface;
 
-/// References to surfaces.
+/// The surfaces of a caller, each by reference, in the caller's order.
 pub(crate) fn references<S: Borrow<Surface>>(surfaces: &[S]) -> Vec<&Surface> {
     surfaces.iter().map(S::borrow).collect()
 }

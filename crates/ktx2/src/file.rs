@@ -18,8 +18,8 @@ const MODEL: [u8; 8] = [163, 1, 2, 0, 3, 3, 0, 0];
 /// The channels of a slice: colours, and alpha.
 const CHANNELS: [u8; 2] = [0, 15];
 
-/// A file of these parts; `size` is that of the largest level in texels. Nothing unless it has so many levels, or it
-/// takes 4 GiB.
+/// The KTX2 file of what an encoder made; `size` is width and height of the largest level in texels. Nothing where the
+/// encoder made another number of levels than `level_count`, or the file would take 4 GiB.
 pub(crate) fn of(basis: &Basis<'_>, size: [u32; 2], level_count: usize) -> Option<Vec<u8>> {
     if basis.levels.len() != level_count {
         return None;

@@ -28,8 +28,7 @@ use crate::{
     simplify_sharing, sphere_of,
 };
 
-/// Pixels a side of views in which levels of plants without leaves are judged. Half of a crown of three balls is .35 from it
-/// at 400 pixels by views of 512, and .20 by these: there all coarse levels are off by two pixels.
+/// Pixels a side of views that judge plants without leaves: half of a crown of three balls is .20 from it, .35 by 512.
 const BARE_RESOLUTION: u32 = 256;
 
 /// The most pixels over all views in which levels are judged: 32 views of 512 x 512.

@@ -4,10 +4,10 @@ use std::path::PathBuf;
 
 use clap::Args;
 use secateur::engines::EngineName;
-use secateur::{Alpha, Effort, Engine, ImageFormat, Memory, Sides};
+use secateur::{Alpha, Effort, Engine, Memory, Sides};
 
 use super::super::names::{ChainPresetName, ChainWoodName};
-use super::{OF_RECORDS, PlantArgs, SceneArgs, WindArg, leaves, number, share};
+use super::{OF_RECORDS, PackingArgs, PlantArgs, SceneArgs, WindArg, leaves, number, share};
 use secateur_eval::Limits;
 use secateur_gltf::chain::Layout;
 use secateur_levels::chain::{CostWeights, DISTANCES, MOST_DIFFERENCE, Textures};
@@ -127,18 +127,8 @@ pub(crate) struct Lods {
     /// Replace levels of other runs that have the same names.
     #[arg(long)]
     pub(crate) overwrite: bool,
-    /// Quantise and compress geometry (meshopt), and write images as webp or ktx2 [default of the flag alone: webp].
-    #[arg(
-        long,
-        value_name = "IMAGES",
-        num_args = 0..=1,
-        require_equals = true,
-        default_missing_value = "webp"
-    )]
-    pub(crate) compress: Option<ImageFormat>,
-    /// Write triangles as strips in place of lists, made from the coarse to the fine.
-    #[arg(long)]
-    pub(crate) strips: bool,
+    #[command(flatten)]
+    pub(crate) packing: PackingArgs,
     /// Write the machine-readable record of the run to this file.
     #[arg(long, help_heading = OF_RECORDS, value_name = "FILE.json")]
     pub(crate) report: Option<PathBuf>,

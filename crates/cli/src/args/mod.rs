@@ -15,7 +15,8 @@ use std::path::PathBuf;
 
 use clap::{ArgAction, Args, FromArgMatches, Parser, Subcommand, ValueEnum};
 use secateur::{
-    Alpha, Engine, JudgingViews, Memory, Opening, Selector, Sides, VertexAlpha, WoodMode,
+    Alpha, Engine, ImageFormat, JudgingViews, Memory, Opening, Selector, Sides, VertexAlpha,
+    WoodMode, WriteOptions,
 };
 use secateur_simplify::option_numbers::{from_zero, number, share};
 
@@ -245,6 +246,33 @@ impl PlantArgs {
             wind: false,
             memory: self.memory(),
         }
+    }
+}
+
+/// How the geometry and images of a written file are packed.
+#[derive(Args, Clone, Copy, Debug)]
+pub(crate) struct PackingArgs {
+    /// Quantise and compress geometry (meshopt), and write images as webp or ktx2 [default of the flag alone: webp].
+    #[arg(
+        long,
+        value_name = "IMAGES",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "webp"
+    )]
+    pub(crate) compress: Option<ImageFormat>,
+    /// Write triangles as strips in place of lists, made from the coarse to the fine.
+    #[arg(long)]
+    pub(crate) strips: bool,
+}
+
+impl PackingArgs {
+    /// These, with whether files may be replaced.
+    pub(crate) fn write_options(self, overwrite: bool) -> WriteOptions {
+        WriteOptions::default()
+            .overwrite(overwrite)
+            .compress(self.compress)
+            .strips(self.strips)
     }
 }
 

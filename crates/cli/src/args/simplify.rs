@@ -5,14 +5,14 @@ use std::path::PathBuf;
 use clap::Args;
 use secateur::{
     Alpha, ChainOptions, ColorChoice, CutoffChoice, Effort, Engine, FieldOfView, Fitting,
-    FsaOptions, ImageFormat, LeafTriangles, MergeOptions, MeshoptMode, Needles, PartLevel, Preset,
-    Reference, Resize, Resolution, Sides, StochasticOptions, Target, Ties, WoodMode,
+    FsaOptions, LeafTriangles, MergeOptions, MeshoptMode, Needles, PartLevel, Preset, Reference,
+    Resize, Resolution, Sides, StochasticOptions, Target, Ties, WoodMode,
 };
 
 use super::super::names::MethodName;
 use super::{
-    Foliage, MemoryArg, NotPlantArg, OF_OTHERS, OF_RECORDS, OF_VDS, SceneArgs, VertexAlphaArg,
-    WindArg, from_zero, leaves, share,
+    Foliage, MemoryArg, NotPlantArg, OF_OTHERS, OF_RECORDS, OF_VDS, PackingArgs, SceneArgs,
+    VertexAlphaArg, WindArg, from_zero, leaves, share,
 };
 
 #[derive(Args, Debug)]
@@ -26,18 +26,8 @@ pub(crate) struct Simplify {
     /// Let the buffer of a .gltf replace a file beside it that is not its own.
     #[arg(long)]
     pub(crate) overwrite: bool,
-    /// Quantise and compress geometry (meshopt), and write images as webp or ktx2 [default of the flag alone: webp].
-    #[arg(
-        long,
-        value_name = "IMAGES",
-        num_args = 0..=1,
-        require_equals = true,
-        default_missing_value = "webp"
-    )]
-    pub(crate) compress: Option<ImageFormat>,
-    /// Write triangles as strips in place of lists, made from the coarse to the fine.
-    #[arg(long)]
-    pub(crate) strips: bool,
+    #[command(flatten)]
+    pub(crate) packing: PackingArgs,
     #[command(flatten)]
     pub(crate) target: TargetArgs,
     /// What becomes of the wood [default: auto with `--triangles`, which then counts the whole

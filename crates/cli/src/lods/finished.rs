@@ -70,8 +70,7 @@ pub(super) fn key(args: &args::Lods, job: &Job<'_>) -> Result<String, Failure> {
             args.wind.wind,
             &args.preview,
             args.for_engine,
-            args.compress,
-            args.strips,
+            args.packing,
         ),
         options(args),
     );

@@ -110,10 +110,10 @@ fn layout(args: &args::Lods, is_usda: Option<bool>) -> Result<Layout, Failure> {
         (Layout::Siblings | Layout::Msft, Some(true)) => {
             Err(wrong("this layout needs a name that ends in .glb or .gltf"))
         }
-        (Layout::Usd, _) if args.compress.is_some() => Err(Failure::usage(
+        (Layout::Usd, _) if args.packing.compress.is_some() => Err(Failure::usage(
             "`--compress` is for glTF: leave it out with the layout usd",
         )),
-        (Layout::Usd, _) if args.strips => Err(Failure::usage(
+        (Layout::Usd, _) if args.packing.strips => Err(Failure::usage(
             "`--strips` is for glTF: leave it out with the layout usd",
         )),
         (layout, _) => Ok(layout),

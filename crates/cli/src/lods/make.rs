@@ -90,10 +90,7 @@ pub(super) fn make(
     warn_all(of_levels.as_slice());
     warnings.extend(of_levels);
     let written = work.timed("write", |files| {
-        let how = WriteOptions::default()
-            .overwrite(may_overwrite)
-            .compress(args.compress)
-            .strips(args.strips);
+        let how = args.packing.write_options(may_overwrite);
         stage_all(files, args, job, &levels, how, picture)
     })?;
     let original = plant.report();

@@ -9,7 +9,7 @@ mod record;
 
 use std::path::Path;
 
-use secateur::{Level, LevelOptions, Opening, Options, Plant, Progress, WoodMode, WriteOptions};
+use secateur::{Level, LevelOptions, Opening, Options, Plant, Progress, WoodMode};
 
 use super::advice::{self, warn_all};
 use super::args::{self, Common};
@@ -51,7 +51,7 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
     machine::give_back_free_memory();
     let prepared = work.timed("write", |_| {
         tracing::info!("writing {}", args.output.display());
-        Ok(level.prepare(outlet.path(), write_options(args))?)
+        Ok(level.prepare(outlet.path(), args.packing.write_options(args.overwrite))?)
     })?;
     let picture = match args.picture {
         Some(_) => Some(work.timed("picture", |_| picture_of(&prepared, args, &plant, &level))?),
@@ -66,7 +66,10 @@ pub(crate) fn run(args: &args::Simplify, common: &Common) -> Result<Printed, Fai
         output::stage(&mut work.files, path, &picture)?;
     }
     if let Some(path) = &args.order {
-        let (order, how) = (result.passes.in_one_order(), write_options(args));
+        let (order, how) = (
+            result.passes.in_one_order(),
+            args.packing.write_options(args.overwrite),
+        );
         order::stage(&mut work.files, path, order, &mut plant, how)?;
     }
     if let Some(folder) = &args.debug_images {
@@ -131,7 +134,7 @@ fn warnings_of(level: &Level) -> [Vec<String>; 2] {
 fn check_outputs(args: &args::Simplify) -> Result<Vec<&Path>, Failure> {
     let views = args.views.as_deref().map(Path::new);
     let inputs = std::iter::once(args.tree.as_path()).chain(views);
-    let written = write_options(args);
+    let written = args.packing.write_options(args.overwrite);
     let outputs = Outputs::beside(inputs.chain(args.scene.files()))
         .and(&args.output, |path, inputs| {
             match streams::is_stream(path) {
@@ -148,13 +151,6 @@ fn check_outputs(args: &args::Simplify) -> Result<Vec<&Path>, Failure> {
         output::check_folder(folder)?;
     }
     outputs.distinct()
-}
-
-fn write_options(args: &args::Simplify) -> WriteOptions {
-    WriteOptions::default()
-        .overwrite(args.overwrite)
-        .compress(args.compress)
-        .strips(args.strips)
 }
 
 fn level(

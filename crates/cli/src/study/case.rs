@@ -69,7 +69,7 @@ fn option_of_the_study(args: &args::Simplify, common: &args::Common) -> Option<&
         ("--colors", args.colors.is_some()),
         ("--foliage", !args.foliage.foliage.is_empty()),
         ("--level-of", !args.level_of.is_empty()),
-        ("--strips", args.strips),
+        ("--strips", args.packing.strips),
         ("--report", args.report.is_some()),
         ("--picture", args.picture.is_some()),
         ("--debug-images", args.debug_images.is_some()),

@@ -5,7 +5,8 @@ use crate::accessor::{Component, Elements};
 use crate::document::Document;
 use crate::error::Fault;
 
-/// Bits of each number of a vertex, as the encoder rounds it: so many steps to the longest side of what they span.
+/// To how many bits an encoder rounds the numbers of vertices: with 14, the longest side of a primitive's box has 2^14
+/// places.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct DracoBits {
     pub(crate) positions: i32,
@@ -13,13 +14,13 @@ pub(crate) struct DracoBits {
 }
 
 impl DracoBits {
-    /// As fine as nobody sees the lack of, whatever one primitive spans.
+    /// Of a plant of 16 metres a millimetre; of a texture of 4,096 texels one.
     const USUAL: Self = Self {
         positions: 14,
         texture_coordinates: 12,
     };
 
-    /// The least that encoders are asked for.
+    /// Fewer bits would show: a plant of 16 metres would be rounded to 6 centimetres.
     const FEWEST: i32 = 8;
 
     /// Those of a file of one primitive; the usual ones where several may span more together than each does alone, and
@@ -45,7 +46,7 @@ impl DracoBits {
     }
 }
 
-/// Whether numbers are whole steps from the least, of so many bits to the longest side.
+/// Whether numbers were rounded to so few bits: whether each lies on one of 2^`bits` places along the longest side.
 fn is_on_grid(elements: &Elements<'_>, bits: i32) -> bool {
     /// How far from a step a number may be, in steps, as it is rounded to 24 bits.
     const OFF: f64 = 0.02;

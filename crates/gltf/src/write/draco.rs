@@ -90,9 +90,9 @@ pub(super) fn compressed(document: &Document, bits: DracoBits) -> Result<Content
     finished(draft, &before, 0)
 }
 
-/// The least type of indices of so many vertices that glTF has beside bytes; the greatest number is not allowed.
-fn index_type(vertices: usize) -> Component {
-    match vertices <= usize::from(u16::MAX) {
+/// The type of indices that can name each of this many vertices. The greatest number of a type names none in glTF.
+fn index_type(vertex_count: usize) -> Component {
+    match vertex_count <= usize::from(u16::MAX) {
         true => Component::U16,
         false => Component::U32,
     }
@@ -264,4 +264,74 @@ fn decoded(
         }
     }
     Some((count, bounds))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::container::glb_bytes;
+
+    /// Squares along each side of a sheet.
+    const SIDE: u32 = 12;
+
+    /// Two sheets that meet in one vertex, the last of the first, as a document.
+    fn two_sheets() -> Document {
+        let row = SIDE + 1;
+        let place = |sheet: u32, x: u32, y: u32| (sheet * (row * row - 1)) + y * row + x;
+        let mut positions: Vec<u8> = Vec::new();
+        let mut corners: Vec<u8> = Vec::new();
+        for sheet in 0..2 {
+            for (y, x) in (0..row).flat_map(|y| (0..row).map(move |x| (y, x))) {
+                if (sheet, x, y) != (1, 0, 0) {
+                    let place = [x + sheet * SIDE, y + sheet * SIDE, sheet];
+                    positions.extend(place.iter().flat_map(|at| (*at as f32).to_le_bytes()));
+                }
+                if x < SIDE && y < SIDE {
+                    let [a, b] = [place(sheet, x, y), place(sheet, x + 1, y)];
+                    let [c, d] = [place(sheet, x, y + 1), place(sheet, x + 1, y + 1)];
+                    let both = [a, b, c, b, d, c];
+                    corners.extend(
+                        both.iter()
+                            .flat_map(|corner| (*corner as u16).to_le_bytes()),
+                    );
+                }
+            }
+        }
+        let [first, second] = [positions.len(), corners.len()];
+        let root = json!({
+            "asset": {"version": "2.0"},
+            "scenes": [{"nodes": [0]}],
+            "nodes": [{"mesh": 0}],
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+            "accessors": [
+                {"bufferView": 0, "componentType": 5126, "count": first / 12, "type": "VEC3",
+                    "min": [0, 0, 0], "max": [2 * SIDE, 2 * SIDE, 1]},
+                {"bufferView": 1, "componentType": 5123, "count": second / 2, "type": "SCALAR"}],
+            "bufferViews": [
+                {"buffer": 0, "byteLength": first},
+                {"buffer": 0, "byteOffset": first, "byteLength": second}],
+            "buffers": [{"byteLength": first + second}],
+        });
+        positions.extend(corners);
+        let glb = glb_bytes(&root, positions).unwrap();
+        Document::from_bytes("sheets.glb", glb, None).unwrap()
+    }
+
+    #[test]
+    fn a_vertex_of_two_fans_becomes_two_and_is_counted_so() {
+        let bits = DracoBits {
+            positions: 14,
+            texture_coordinates: 12,
+        };
+        let sheets = two_sheets();
+        let before = sheets.json()["accessors"][0]["count"].as_u64().unwrap();
+        let content = compressed(&sheets, bits).unwrap();
+        let said = content.root["accessors"][0].clone();
+        assert_eq!(said["count"], before + 1);
+        assert_eq!(said["max"][0], f64::from(2 * SIDE));
+        let glb = glb_bytes(&content.root, content.buffer).unwrap();
+        let read = Document::from_bytes("sheets.glb", glb, None).unwrap();
+        assert_eq!(read.json()["accessors"][0]["count"], said["count"]);
+        assert_eq!(read.triangles(0, 0).unwrap().len() as u32, 4 * SIDE * SIDE);
+    }
 }
