@@ -1,6 +1,9 @@
 //! The smallest triangle around what a texture shows on a card.
 
+use std::ops::Range;
+
 use glam::DVec2;
+use rustc_hash::FxHashMap;
 use secateur_model::{Cutout, Wrap};
 
 use super::k_dop::{GridTriangle, directions, side_triples};
@@ -29,7 +32,10 @@ const MAX_AREA_RATIO: f64 = 1.25;
 
 /// Samples along each side of a cell. With four, no texel is missed if a cell is at most four
 /// texels wide, nor where cells and texels lie askew.
-const SAMPLES_PER_CELL_SIDE: i64 = 4;
+const SAMPLES_PER_CELL_SIDE: usize = 4;
+
+/// The texels along an axis under the samples of a cell.
+type SampleTexels = [i32; SAMPLES_PER_CELL_SIDE];
 
 /// How far a triangle may reach beyond the card on each side, in widths of the card.
 const MAX_REACH_CARDS: i64 = 2;
@@ -127,32 +133,62 @@ impl CellGrid {
 
     /// Whether the mask is opaque at a cell's centre.
     fn is_opaque(&self, mask: &Cutout, x: i64, y: i64) -> bool {
-        self.is_opaque_at(mask, DVec2::new(x as f64, y as f64) + 0.5)
-    }
-
-    fn is_opaque_at(&self, mask: &Cutout, at: DVec2) -> bool {
-        let texel = self.uv(at) * DVec2::new(mask.width().into(), mask.height().into());
+        let centre = DVec2::new(x as f64, y as f64) + 0.5;
+        let texel = self.uv(centre) * DVec2::new(mask.width().into(), mask.height().into());
         mask.is_opaque(texel.x.floor() as i32, texel.y.floor() as i32)
     }
 
-    /// Whether the mask is opaque at any sample of a cell.
-    fn is_opaque_anywhere(&self, mask: &Cutout, x: i64, y: i64) -> bool {
-        let mut spots = (0..SAMPLES_PER_CELL_SIDE * SAMPLES_PER_CELL_SIDE)
-            .map(|k| (k % SAMPLES_PER_CELL_SIDE, k / SAMPLES_PER_CELL_SIDE));
-        spots.any(|(u, v)| {
-            let spot = DVec2::new(u as f64 + 0.5, v as f64 + 0.5) / SAMPLES_PER_CELL_SIDE as f64;
-            self.is_opaque_at(mask, DVec2::new(x as f64, y as f64) + spot)
-        })
+    /// The texels along an axis under the samples of each of these cells.
+    fn sample_texels(&self, mask: &Cutout, axis: usize, cells: Range<i64>) -> Vec<SampleTexels> {
+        let texels = f64::from([mask.width(), mask.height()][axis]);
+        let texel = |cell: i64, sample: usize| {
+            let spot = (sample as f64 + 0.5) / SAMPLES_PER_CELL_SIDE as f64;
+            let uv = self.origin[axis] + (cell as f64 + spot) * self.step[axis];
+            (uv * texels).floor() as i32
+        };
+        let of_cell = |cell: i64| std::array::from_fn(|sample| texel(cell, sample));
+        cells.map(of_cell).collect()
+    }
+
+    /// Row by row of these cells, whether the mask is opaque at any sample of a cell.
+    fn opaque_anywhere(&self, mask: &Cutout, [columns, rows]: [Range<i64>; 2]) -> Vec<Vec<bool>> {
+        let wrapped = |texel| mask.wrap()[0].texel(texel, mask.width()) as usize;
+        let columns = self.sample_texels(mask, 0, columns).into_iter();
+        let columns: Vec<_> = columns.map(|texels| texels.map(wrapped)).collect();
+        let rows = self.sample_texels(mask, 1, rows);
+        // By row of texels: a texture that repeats has the same ones again and again.
+        let mut known: FxHashMap<u32, Vec<bool>> = FxHashMap::default();
+        let of_row = |row: &SampleTexels| {
+            let mut is_opaque = vec![false; columns.len()];
+            let mut last = None;
+            for texel in row {
+                if last.replace(texel) == Some(texel) {
+                    continue;
+                }
+                let wrapped = mask.wrap()[1].texel(*texel, mask.height());
+                let of_texels = known.entry(wrapped).or_insert_with(|| {
+                    let texels = (0..mask.width() as i32).map(|u| mask.is_opaque(u, *texel));
+                    let texels: Vec<bool> = texels.collect();
+                    let any = |us: &[usize; SAMPLES_PER_CELL_SIDE]| us.iter().any(|u| texels[*u]);
+                    columns.iter().map(any).collect()
+                });
+                for (cell, texel) in is_opaque.iter_mut().zip(of_texels) {
+                    *cell |= *texel;
+                }
+            }
+            is_opaque
+        };
+        rows.iter().map(of_row).collect()
     }
 
     /// For each cell over the card, row by row, whether it shows something.
     fn seen(&self, texture: &CardTexture<'_>) -> Vec<bool> {
-        let [width, height] = self.size;
-        let cells = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-        let is_seen = |(x, y): (i64, i64)| {
-            self.is_over(texture, x, y) && self.is_opaque_anywhere(texture.mask, x, y)
-        };
-        cells.map(is_seen).collect()
+        let rows = self.opaque_anywhere(texture.mask, self.size.map(|count| 0..count));
+        let cells = rows.iter().zip(0..).flat_map(|(row, y)| {
+            let columns = row.iter().zip(0..);
+            columns.map(move |(is_opaque, x)| *is_opaque && self.is_over(texture, x, y))
+        });
+        cells.collect()
     }
 
     /// Whether a cell's centre is over the card.
@@ -234,28 +270,42 @@ impl CellGrid {
     fn foreign(&self, texture: &CardTexture<'_>, seen: &[bool], even_specks: bool) -> ForeignCells {
         let mask = texture.mask;
         let [width, height] = self.size;
-        let columns = -MAX_REACH_CARDS * width..(1 + MAX_REACH_CARDS) * width;
+        let [columns, rows] = self
+            .size
+            .map(|count| -MAX_REACH_CARDS * count..(1 + MAX_REACH_CARDS) * count);
         let is_card = |x: i64, y: i64| {
             (0..width).contains(&x) && (0..height).contains(&y) && seen[(y * width + x) as usize]
         };
-        let rows = (-MAX_REACH_CARDS * height..(1 + MAX_REACH_CARDS) * height).map(|y| {
+        let is_beside_card = |x: i64, y: i64| neighbours(x, y).any(|(x, y)| is_card(x, y));
+        let sums = |is_foreign: &dyn Fn(i64) -> bool| {
             let mut sum = 0;
             let sums = columns.clone().map(|x| {
-                let is_elsewhere = if even_specks {
-                    !self.is_over(texture, x, y)
-                        && !neighbours(x, y).any(|(x, y)| is_card(x, y))
-                        && self.is_opaque_anywhere(mask, x, y)
-                } else {
-                    !is_card(x, y) && self.is_opaque(mask, x, y)
-                };
-                sum += u32::from(is_elsewhere);
+                sum += u32::from(is_foreign(x));
                 sum
             });
             std::iter::once(0).chain(sums).collect()
-        });
+        };
+        let sums: Vec<Vec<u32>> = match even_specks {
+            true => {
+                let opaque = self.opaque_anywhere(mask, [columns.clone(), rows.clone()]);
+                let rows = rows.zip(&opaque);
+                let of_row = |(y, opaque): (i64, &Vec<bool>)| {
+                    sums(&|x| {
+                        opaque[(x - columns.start) as usize]
+                            && !is_beside_card(x, y)
+                            && !self.is_over(texture, x, y)
+                    })
+                };
+                rows.map(of_row).collect()
+            }
+            false => {
+                let of_row = |y| sums(&|x| !is_card(x, y) && self.is_opaque(mask, x, y));
+                rows.map(of_row).collect()
+            }
+        };
         ForeignCells {
             first: [-MAX_REACH_CARDS * width, -MAX_REACH_CARDS * height],
-            sums: rows.collect(),
+            sums,
         }
     }
 }
