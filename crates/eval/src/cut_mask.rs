@@ -1,12 +1,13 @@
 //! Where a texture surely passes an alpha test, and where it surely does not: two bits a texel, so that few
 //! samples have to read the texels themselves.
 
+use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use glam::{Vec2, Vec4};
 use secateur_model::{Material, Texture, Wrap};
 
-use crate::texel::{alpha_cutoff, is_whole, low_texel};
+use crate::texel::{alpha_cutoff, floor, is_whole, low_texel};
 
 /// By how much, as a share, a mean of texels must be beyond the cutoff to be surely so: more than
 /// rounding moves it.
@@ -25,6 +26,47 @@ pub(crate) struct CutMask {
     factor: f32,
     /// Four texels a byte, row by row: what is so of a texel and of those to its right and below.
     bits: Vec<u8>,
+    /// What is so of all texels of a square: squares of [`LEAST_SQUARE`] texels a side, and ever twice as many.
+    squares: Vec<Squares>,
+}
+
+/// The least squares of texels of which a mask knows as a whole, in texels a side: a power of two.
+const LEAST_SQUARE: u32 = 4;
+
+/// Squares of a texture's texels; the last of a row and of a column may have fewer.
+#[derive(Debug)]
+struct Squares {
+    columns: usize,
+    /// Row by row what is so of all texels of each.
+    flags: Vec<u8>,
+}
+
+impl Squares {
+    /// Of these flags of a texture of this width, for so many of them a side.
+    fn of(flags: &[u8], width: usize, side: usize) -> Self {
+        let columns = width.div_ceil(side);
+        let of_rows = flags.chunks(width * side).flat_map(|rows| {
+            let mut all = vec![PASSES | FAILS; columns];
+            for row in rows.chunks(width) {
+                for (all, flags) in all.iter_mut().zip(row.chunks(side)) {
+                    *all &= flags.iter().fold(PASSES | FAILS, |all, flags| all & flags);
+                }
+            }
+            all
+        });
+        Self {
+            flags: of_rows.collect(),
+            columns,
+        }
+    }
+
+    fn all_of(flags: &[u8], width: usize) -> Vec<Self> {
+        let mut all = vec![Self::of(flags, width, LEAST_SQUARE as usize)];
+        while let Some(last) = all.last().filter(|last| last.flags.len() > 1) {
+            all.push(Self::of(&last.flags, last.columns, 2));
+        }
+        all
+    }
 }
 
 impl CutMask {
@@ -50,6 +92,7 @@ impl CutMask {
         let texels = texture.rgba.chunks_exact(4).take(width * height);
         let own: Vec<u8> = texels.map(|rgba| of_byte[usize::from(rgba[3])]).collect();
         let mut bits = vec![0; (width * height).div_ceil(4)];
+        let mut flags = vec![0; width * height];
         for (y, row) in own.chunks_exact(width).enumerate() {
             let below = next(y, height, texture.wrap[1]) * width;
             let below = &own[below..below + width];
@@ -58,6 +101,7 @@ impl CutMask {
                 let all = row[x] & row[right] & below[x] & below[right];
                 let number = y * width + x;
                 bits[number / 4] |= all << (2 * (number % 4));
+                flags[number] = all;
             }
         }
         Some(Self {
@@ -65,7 +109,39 @@ impl CutMask {
             wrap: texture.wrap,
             factor,
             bits,
+            squares: Squares::all_of(&flags, width),
         })
+    }
+
+    /// The larger of the texture's width and height, in texels.
+    pub(crate) fn most_texels(&self) -> f32 {
+        self.size[0].max(self.size[1]) as f32
+    }
+
+    /// What [`Self::passes`] comes to for all coordinates between these, rounding included; nothing where it differs
+    /// from place to place, or none of this is known of the whole.
+    pub(crate) fn passes_between(&self, low: Vec2, high: Vec2, alphas: [f32; 3]) -> Option<bool> {
+        if alphas != [self.factor; 3] {
+            return None;
+        }
+        let axis = |k: usize| texels_between([low[k], high[k]], self.wrap[k], self.size[k]);
+        let (columns, rows) = (axis(0)?, axis(1)?);
+        let count = (columns.end - columns.start).max(rows.end - rows.start);
+        let doubled = count.div_ceil(LEAST_SQUARE).next_power_of_two().ilog2();
+        let doubled = doubled.min(self.squares.len() as u32 - 1);
+        let squares = &self.squares[doubled as usize];
+        let side = LEAST_SQUARE << doubled;
+        let of = |texels: &Range<u32>| {
+            (texels.start / side) as usize..texels.end.div_ceil(side) as usize
+        };
+        let mut all = PASSES | FAILS;
+        for row in of(&rows) {
+            let first = row * squares.columns;
+            for column in of(&columns) {
+                all &= squares.flags[first + column];
+            }
+        }
+        flags_say(all)
     }
 
     /// Whether a smooth sample of the texture at these coordinates, times these alphas at the corners of its
@@ -81,11 +157,7 @@ impl CutMask {
     /// What the test comes to for samples that read this texel first; nothing where the texels must be asked.
     #[inline]
     pub(crate) fn of_texel(&self, number: usize) -> Option<bool> {
-        match self.bits[number / 4] >> (2 * (number % 4)) & 3 {
-            PASSES => Some(true),
-            FAILS => Some(false),
-            _ => None,
-        }
+        flags_say(self.bits[number / 4] >> (2 * (number % 4)) & 3)
     }
 
     /// The texels that four samples read first, for [`Self::of_texel`]; nothing where each must be asked by itself.
@@ -103,6 +175,34 @@ impl CutMask {
         }
         Some(texels)
     }
+}
+
+fn flags_say(flags: u8) -> Option<bool> {
+    match flags {
+        PASSES => Some(true),
+        FAILS => Some(false),
+        _ => None,
+    }
+}
+
+/// The texels that smooth samplers read first along an axis between two coordinates, and one on either side; nothing
+/// where they go over the border of a texture that repeats, or are no numbers.
+fn texels_between(coordinates: [f32; 2], wrap: Wrap, size: u32) -> Option<Range<u32>> {
+    let [low, high] = coordinates.map(|at| at * size as f32 - 0.5);
+    // NaN is neither.
+    if !(low > -4_194_304.0 && high < 4_194_304.0) {
+        return None;
+    }
+    let (first, end) = (floor(low) - 1, floor(high) + 2);
+    let size = i64::from(size);
+    let (first, end) = match wrap {
+        Wrap::ClampToEdge => (first.clamp(0, size - 1), end.clamp(1, size)),
+        Wrap::Repeat | Wrap::MirroredRepeat => {
+            let before = first.div_euclid(size) * size;
+            (first - before, end - before)
+        }
+    };
+    (first < end && end <= size).then_some(first as u32..end as u32)
 }
 
 /// The whole numbers not above four values, wrapped; nothing where that takes a division, or for a value that is not
@@ -186,7 +286,7 @@ mod tests {
             wraps in (0usize..3, 0usize..3),
         ) {
             let wraps = [WRAPS[wraps.0], WRAPS[wraps.1]];
-            let mask = CutMask { size: [width, height], wrap: wraps, factor: 1.0, bits: Vec::new() };
+            let mask = CutMask { size: [width, height], wrap: wraps, factor: 1.0, bits: Vec::new(), squares: Vec::new() };
             let uvs = [us, vs].map(Vec4::from_array);
             if let Some(texels) = mask.four_texels(uvs, [1.0; 3]) {
                 for lane in 0..4 {

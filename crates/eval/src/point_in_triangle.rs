@@ -38,15 +38,40 @@ impl PointInTriangle {
         [1.0 - second - third, second, third]
     }
 
+    /// Where the middle of a block's samples lies from the triangle's first corner, and how far they reach from there.
+    fn middle_and_half(&self, columns: &Range<usize>, rows: &Range<usize>) -> [Vec2; 2] {
+        let low = Vec2::new(columns.start as f32, rows.start as f32) + 0.5 - self.origin;
+        let high = Vec2::new(columns.end as f32, rows.end as f32) - 0.5 - self.origin;
+        [0.5 * (low + high), 0.5 * (high - low)]
+    }
+
+    /// As large as any number from which weights of a block's samples are made: what they are rounded by is a share of it.
+    fn size_of_terms(&self, [middle, half]: [Vec2; 2]) -> f32 {
+        1.0 + (self.second.abs() + self.third.abs()).dot(middle.abs() + half)
+    }
+
+    /// The shares of the triangle's corners at the outermost samples of a block, and how large the numbers are from
+    /// which those of all its samples are made.
+    pub(crate) fn outermost(
+        &self,
+        columns: &Range<usize>,
+        rows: &Range<usize>,
+    ) -> ([Vec4; 3], f32) {
+        let [middle, half] = self.middle_and_half(columns, rows);
+        let right = middle.x + half.x * Vec4::new(-1.0, 1.0, -1.0, 1.0);
+        let down = middle.y + half.y * Vec4::new(-1.0, -1.0, 1.0, 1.0);
+        let [second, third] = [self.second, self.third].map(|to| right * to.x + down * to.y);
+        let size = self.size_of_terms([middle, half]);
+        ([Vec4::ONE - second - third, second, third], size)
+    }
+
     /// Whether no sample of a block is in the triangle, as far as can be told at once: each weight is
     /// largest at some corner of the block.
     pub(crate) fn misses(&self, columns: &Range<usize>, rows: Range<usize>) -> bool {
         // More than rounding moves a weight.
         const SLACK: f32 = 1e-5;
-        let low = Vec2::new(columns.start as f32, rows.start as f32) + 0.5 - self.origin;
-        let high = Vec2::new(columns.end as f32, rows.end as f32) - 0.5 - self.origin;
-        let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
-        let size = 1.0 + (self.second.abs() + self.third.abs()).dot(middle.abs() + half);
+        let [middle, half] = self.middle_and_half(columns, &rows);
+        let size = self.size_of_terms([middle, half]);
         let is_out = |toward: Vec2, start: f32| {
             start + toward.dot(middle) + toward.abs().dot(half) + SLACK * size < EDGE_SLACK
         };
@@ -80,6 +105,14 @@ pub(crate) fn four_face_weights(triangle: &ScreenTriangle, weights: [Vec4; 3]) -
     }
     (second, third) = (second / total, third / total);
     [Vec4::ONE - second - third, second, third]
+}
+
+/// By what [`four_face_weights`] divides.
+pub(crate) fn four_divisors(triangle: &ScreenTriangle, weights: [Vec4; 3]) -> Vec4 {
+    let parts = weights.iter().zip(&triangle.corners);
+    parts
+        .map(|(weight, corner)| *weight * corner.inverse_w)
+        .sum()
 }
 
 /// How far texture coordinates go from a sample to the next pixel to the right, and down.

@@ -207,6 +207,12 @@ impl<'a> Band<'a> {
                 if place.misses(&in_block, on_raster[0]..on_raster[1]) {
                     continue;
                 }
+                let on_raster = on_raster[0]..on_raster[1];
+                let cutout = cutout.get_or_insert_with(|| Cut::of(triangle, surface, alpha));
+                let in_all = cutout.there_in_block(triangle, &place, &in_block, &on_raster);
+                if in_all == Some(false) {
+                    continue;
+                }
                 let in_box = (1u32 << (in_block.end - first)) - (1u32 << (in_block.start - first));
                 let mut is_changed = false;
                 for row in rows.clone() {
@@ -224,9 +230,11 @@ impl<'a> Band<'a> {
                     if sought == 0 {
                         continue;
                     }
-                    let cutout = cutout.get_or_insert_with(|| Cut::of(triangle, surface, alpha));
                     let corner = Vec2::new(first as f32 + 0.5, y);
-                    let there = cutout.there(triangle, &place, corner, &found.weights, sought);
+                    let there = match in_all {
+                        Some(true) => sought,
+                        _ => cutout.there(triangle, &place, corner, &found.weights, sought),
+                    };
                     is_changed |= there != 0;
                     let near = found.near();
                     for lane in lanes_of(there) {

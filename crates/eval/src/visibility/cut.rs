@@ -1,12 +1,16 @@
 //! The alpha test of a triangle.
 
+use std::ops::Range;
+
 use glam::{Vec2, Vec4};
 use secateur_model::{Material, Surface};
 
 use super::{BLOCK, lanes_of, weighted};
 use crate::cut_mask::CutMask;
 use crate::mips::MipSampler;
-use crate::point_in_triangle::{PointInTriangle, face_weights, four_face_weights, uv_steps};
+use crate::point_in_triangle::{
+    PointInTriangle, face_weights, four_divisors, four_face_weights, uv_steps,
+};
 use crate::screen_triangle::ScreenTriangle;
 use crate::texel::{alpha_cutoff, sample_alpha};
 
@@ -83,6 +87,39 @@ impl<'a> Cut<'a> {
             }
         }
         there
+    }
+
+    /// Whether the face is there at all samples of a block, or at none; nothing where that differs, or takes a look at
+    /// each.
+    pub(super) fn there_in_block(
+        &self,
+        triangle: &ScreenTriangle,
+        place: &PointInTriangle,
+        columns: &Range<usize>,
+        rows: &Range<usize>,
+    ) -> Option<bool> {
+        /// More than texture coordinates are rounded by, as a share of the numbers that they are made of.
+        const ROUNDING: f32 = 1e-5;
+        /// The least divisor for which that holds, as a share of the largest.
+        const LEAST_DIVISOR: f32 = 0.5;
+        let face = self.0.as_ref()?;
+        let mask = face.alpha.mask.filter(|_| face.alpha.mips.is_none())?;
+        let (weights, size) = place.outermost(columns, rows);
+        let divisors = four_divisors(triangle, weights);
+        let inverse_ws = triangle.corners.iter().map(|corner| corner.inverse_w);
+        let largest = inverse_ws.fold(0.0, f32::max);
+        let uvs = face.uvs.iter().map(|uv| uv.abs().max_element());
+        let off = ROUNDING * size * uvs.fold(0.0, f32::max);
+        // By half a texel less than a mask looks at on either side.
+        let is_exact = off * mask.most_texels() <= 0.5;
+        if !(is_exact && divisors.min_element() >= LEAST_DIVISOR * largest) {
+            return None;
+        }
+        // With a positive divisor the outermost of what is divided by it is at the outermost places.
+        let uvs = face.four_uvs(four_face_weights(triangle, weights));
+        let low = Vec2::new(uvs[0].min_element(), uvs[1].min_element());
+        let high = Vec2::new(uvs[0].max_element(), uvs[1].max_element());
+        mask.passes_between(low, high, face.alphas)
     }
 
     /// The ratio of alpha to its cutoff; infinite where there is none, or it is 0.

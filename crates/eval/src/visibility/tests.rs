@@ -56,17 +56,26 @@ fn literal(triangles: &[ScreenTriangle], surface: &Surface, side: usize) -> Vec<
 
 /// One triangle of a card whose mask is a chessboard.
 fn chessboard() -> Surface {
-    let alpha = |k: u32| {
-        if (k % 8 + k / 8).is_multiple_of(2) {
-            255
-        } else {
-            0
-        }
+    card(8, 3.0, |x, y| (x + y).is_multiple_of(2))
+}
+
+/// One of a card that is clear but for a large round leaf: blocks of samples are clear, opaque, or neither.
+fn round_leaf() -> Surface {
+    card(256, 1.1, |x, y| {
+        (f64::from(x) - 110.0).hypot(f64::from(y) - 90.0) < 70.0
+    })
+}
+
+/// One triangle of a card on which a texture of so many texels a side repeats so often, opaque where it is said.
+fn card(side: u32, repeats: f32, is_opaque: impl Fn(u32, u32) -> bool) -> Surface {
+    let alpha = |k: u32| match is_opaque(k % side, k / side) {
+        true => 255,
+        false => 0,
     };
     Surface {
         positions: vec![glam::DVec3::ZERO; 3],
         normals: Vec::new(),
-        uvs: vec![Vec2::ZERO, 3.0 * Vec2::X, 3.0 * Vec2::Y],
+        uvs: vec![Vec2::ZERO, repeats * Vec2::X, repeats * Vec2::Y],
         colors: Vec::new(),
         holds: Vec::new(),
         triangles: vec![[0, 1, 2]],
@@ -74,9 +83,11 @@ fn chessboard() -> Surface {
             name: String::new(),
             base_color: [1.0; 4],
             texture: Some(std::sync::Arc::new(secateur_model::Texture {
-                width: 8,
-                height: 8,
-                rgba: (0..64).flat_map(|k| [255, 255, 255, alpha(k)]).collect(),
+                width: side,
+                height: side,
+                rgba: (0..side * side)
+                    .flat_map(|k| [255, 255, 255, alpha(k)])
+                    .collect(),
                 wrap: [secateur_model::Wrap::Repeat; 2],
                 filters: secateur_model::Filters::default(),
             })),
@@ -97,10 +108,12 @@ proptest! {
     fn what_is_seen_does_not_depend_on_the_order_of_drawing(
         corners in prop::collection::vec([corner(), corner(), corner()], 1..40),
         depths in prop::collection::vec([0u8..4, 0u8..4, 0u8..4], 40),
+        is_round in prop::bool::ANY,
+        perspective in 0f32..1.0,
     ) {
         // No whole number of blocks.
         const SIDE: usize = 77;
-        let surface = chessboard();
+        let surface = if is_round { round_leaf() } else { chessboard() };
         let masks = CutMasks::default();
         let mask = masks.of(&surface.material);
         let alpha = Alpha { mips: None, mask: mask.as_deref() };
@@ -108,6 +121,7 @@ proptest! {
             let mut made = triangle(*corners);
             for (corner, depth) in made.corners.iter_mut().zip(depths) {
                 corner.nearness = f32::from(*depth);
+                corner.inverse_w = 1.0 + 30.0 * perspective * f32::from(*depth);
             }
             made
         }).collect();
