@@ -134,7 +134,7 @@ pub(super) fn layers(facets: &[Facet], count: usize) -> Vec<Layer> {
         let sorted = nearest(&some, &planes, size);
         let members = members(&sorted, planes.len());
         planes = members
-            .into_iter()
+            .into_par_iter()
             .filter(|members| !members.is_empty())
             .map(|members| {
                 let layer = layer(members, |k| some[k as usize]);
@@ -147,7 +147,7 @@ pub(super) fn layers(facets: &[Facet], count: usize) -> Vec<Layer> {
     }
     let all: Vec<&Facet> = facets.iter().collect();
     let sorted = nearest(&all, &planes, size);
-    let of_planes = members(&sorted, planes.len()).into_iter();
+    let of_planes = members(&sorted, planes.len()).into_par_iter();
     of_planes
         .filter(|members| !members.is_empty())
         .map(|members| layer(members, |k| all[k as usize]))
@@ -160,9 +160,8 @@ fn seeds(facets: &[&Facet], count: usize, size: f64) -> Vec<Plane> {
     let mut planes: Vec<Plane> = facets.iter().take(1).map(|f| Plane::through(f)).collect();
     let mut left: Vec<f64> = vec![f64::INFINITY; facets.len()];
     while let Some(last) = planes.last().filter(|_| planes.len() < count) {
-        for (left, facet) in left.iter_mut().zip(facets) {
-            *left = left.min(last.distance(facet, size) * facet.area);
-        }
+        let all = left.par_iter_mut().zip(facets);
+        all.for_each(|(left, facet)| *left = left.min(last.distance(facet, size) * facet.area));
         let mut lot = random.unit() * left.iter().sum::<f64>();
         let drawn = left.iter().position(|left| {
             lot -= left;

@@ -127,7 +127,7 @@ impl<'a, S: Borrow<Surface> + Sync> Cards<'a, S> {
         let of_layer = |layer: &Layer| Card::of_layer(&facets, layer, layer.area_of_bodies > much);
         Self {
             surfaces,
-            cards: layers.iter().flat_map(of_layer).collect(),
+            cards: layers.par_iter().flat_map_iter(of_layer).collect(),
             height,
         }
     }
