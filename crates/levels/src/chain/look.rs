@@ -11,10 +11,11 @@ use secateur_eval::{
     Difference, DifferenceJudge, Judging, Limits, MeasureError, Pictures, ViewCount,
 };
 use secateur_gltf::{Detail, Document, GltfError, WholeTree};
-use secateur_model::{BoundingSphere, Surface};
+use secateur_model::{BoundingSphere, Note, Surface};
 use secateur_raster::{View, ViewSet};
 
 use super::error::ChainError;
+use super::level::ChainLevel;
 use super::level_surfaces::LevelSurfaces;
 use super::options::ChainOptions;
 use super::scene_look::tight_cameras;
@@ -83,6 +84,8 @@ pub(super) struct Look {
     as_one: bool,
     /// How high the plant is at most in the pictures of a search, in pixels.
     search_px: f64,
+    /// Levels that are seen higher than this many pixels are judged from two views.
+    all_views_up_to_px: f64,
     /// How much levels may differ.
     pub(super) limits: Limits,
     /// How much cards and planes may.
@@ -115,7 +118,7 @@ impl Look {
         clock: StageClock,
     ) -> Result<(Self, Judging), ChainError> {
         let (items, leaves) = (tree.items().foliage(), tree.leaves());
-        let scene = options.scene.as_ref();
+        let (scene, work) = (options.scene.as_ref(), options.leaves.effort.work());
         let sphere = items.bounding_sphere().ok_or(MeasureError::NoFoliage)?;
         // Not with exact textures, as `measure` has them: they would take longer, and in
         // so few pixels a leaf is off by a quarter of one at most.
@@ -152,7 +155,8 @@ impl Look {
             judge_of_impostors: OnceCell::new(),
             is_wood,
             as_one: options.as_one,
-            search_px: options.leaves.effort.work().search_px,
+            search_px: work.search_px,
+            all_views_up_to_px: work.all_views_up_to_px,
             limits: options.limits(),
             limits_of_impostors: limits_of_impostors(options.limits(), leaves.leaves().len()),
             original,
@@ -205,13 +209,30 @@ impl Look {
     }
 
     /// How far a level with its own textures looks from the original, as it is put down; of fewer views if it is
-    /// beyond the limits.
+    /// beyond the limits, or large and the effort asks for fewer.
     pub(super) fn difference(&self, surfaces: &[Surface], pixels_high: f64) -> Difference {
-        let count = ViewCount::All;
+        let count = match pixels_high > self.all_views_up_to_px {
+            true => ViewCount::Glance,
+            false => ViewCount::All,
+        };
         self.clock.time(ChainStage::Difference, || {
             self.judge
                 .difference_within(surfaces, pixels_high, count, self.limits)
         })
+    }
+
+    /// Says of levels that were judged from two views alone.
+    pub(super) fn note_of_few_views(&self, levels: &[ChainLevel]) -> Option<Note> {
+        let largest_px = self.all_views_up_to_px;
+        let are_any = levels
+            .iter()
+            .any(|level| level.report.pixels_high > largest_px);
+        let note = || {
+            format!(
+                "levels that begin above {largest_px} pixels are judged from two views in place of six, as little effort is asked for"
+            )
+        };
+        are_any.then(|| note().into())
     }
 
     /// How far one level looks from another that it takes the place of.
