@@ -53,7 +53,7 @@ pub use as_drawn::{AsDrawn, AsDrawnMeasurement, OriginalAsDrawn, measure_as_draw
 pub use as_drawn_coverage::{AsDrawnCoverage, Shown};
 pub use camera::{Camera, framing};
 pub use contact_sheet::{Panel, contact_sheet};
-pub use difference::{Difference, DifferenceJudge, Limits, ViewCount};
+pub use difference::{Difference, DifferenceJudge, Enlargement, Limits, ViewCount};
 pub use measure::{
     Judging, JudgingViews, MeasureError, Measurement, Original, RigMeasurement, measure,
     measure_lod,

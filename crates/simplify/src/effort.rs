@@ -48,8 +48,9 @@ pub struct Work {
     /// Levels of a chain are compared in pictures in which the plant is at most this many pixels high, and only what is
     /// found in those of its size.
     pub search_px: f64,
-    /// Levels of a chain that the screen shows higher than this many pixels are judged from two views in place of six.
-    pub all_views_up_to_px: f64,
+    /// How far levels of a chain look from the plant is estimated where the screen shows them higher than this many
+    /// pixels: from pictures of a search, and two views of that size.
+    pub exact_up_to_px: f64,
 }
 
 impl Effort {
@@ -74,8 +75,8 @@ impl Effort {
                 sharings_of_one: &[ByNumber],
                 sharings: &[LeafMargin(0.15)],
                 placed: 2,
-                search_px: 192.0,
-                all_views_up_to_px: 192.0,
+                search_px: 160.0,
+                exact_up_to_px: 96.0,
             },
             // Pictures of 1,024 pixels take seven times as long as those of 384.
             Self::Normal => Work {
@@ -88,7 +89,7 @@ impl Effort {
                 sharings: &[LeafMargin(0.15), LeafMargin(0.05), LeafMargin(0.3)],
                 placed: 3,
                 search_px: 384.0,
-                all_views_up_to_px: f64::INFINITY,
+                exact_up_to_px: f64::INFINITY,
             },
             Self::Best => Work {
                 search_fit_px: 512,

@@ -24,7 +24,24 @@ const LEAST_MARGIN_PX: u32 = 12;
 
 /// Plants are drawn with as many samples along a side of a pixel as come to no more than this along the plant, but at
 /// least 2 and at most 4.
-const SAMPLES: f64 = 1024.0;
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) enum Samples {
+    #[default]
+    Fine,
+    /// For a first look.
+    Coarse,
+}
+
+impl Samples {
+    /// Along a side of a pixel, of a plant whose longest side has so many pixels.
+    fn a_side(self, longest_px: f64) -> u32 {
+        let along_plant = match self {
+            Self::Fine => 1024.0,
+            Self::Coarse => 384.0,
+        };
+        (along_plant / longest_px).floor().clamp(2.0, 4.0) as u32
+    }
+}
 
 /// What is nearer to an eye than this share of the plant's radius is not drawn.
 const NEAR_RADII: f64 = 0.01;
@@ -101,7 +118,12 @@ pub(super) struct Frame {
 impl Frame {
     /// The picture of these surfaces from an eye, a unit of length at the plant's middle as `px_per_unit` pixels,
     /// unless its longest side would be too large.
-    pub(super) fn around(surfaces: &[&Surface], eye: &Eye, px_per_unit: f64) -> Self {
+    pub(super) fn around(
+        surfaces: &[&Surface],
+        eye: &Eye,
+        px_per_unit: f64,
+        samples: Samples,
+    ) -> Self {
         let [low, high] = tangents(surfaces, eye);
         let extent = (high - low).max(DVec2::ZERO);
         let longest = extent.max_element();
@@ -115,7 +137,7 @@ impl Frame {
         let margin = LEAST_MARGIN_PX.max(block / 2);
         let size = (extent * px_per_tangent).ceil();
         let size = [size.x, size.y].map(|side| side as u32 + 2 * margin);
-        let samples = (SAMPLES / side).floor().clamp(2.0, 4.0) as u32;
+        let samples = samples.a_side(side);
         let corner = [
             low.x - f64::from(margin) / px_per_tangent,
             high.y + f64::from(margin) / px_per_tangent,

@@ -33,7 +33,7 @@ use secateur_raster::View;
 use serde::Serialize;
 
 use blocks::ViewScores;
-use frame::{Eye, Frame};
+use frame::{Eye, Frame, Samples};
 use picture::{DrawnPlant, PlantPicture, draw};
 use plants::Plants;
 
@@ -127,14 +127,38 @@ impl Difference {
         woods.truncate(WOOD_VIEWS);
         let worst_wood = woods.iter().sum::<f64>() / woods.len().max(1) as f64;
         Self {
-            difference: worst_block
-                .max(OF_MEAN * mean_flip)
-                .max(OF_WOOD * worst_wood),
+            difference: Self::of_figures(worst_block, mean_flip, worst_wood),
             block_coverage: mean(|v| v.block_coverage),
             worst_block,
             mean: mean_flip,
             worst_wood,
         }
+    }
+
+    /// What this, of small pictures, would about be in pictures so many times as large.
+    pub fn enlarged(self, times_as_large: f64, by: &Enlargement) -> Self {
+        let [small, large] = &by.of_two_views;
+        let power = match by.times_as_large > 1.0 {
+            true => times_as_large.ln() / by.times_as_large.ln(),
+            false => 0.0,
+        };
+        let figure = |of: fn(&Self) -> f64| match of(small) > 0.0 {
+            true => of(&self) * (of(large) / of(small)).powf(power),
+            false => of(&self).max(of(large)),
+        };
+        let (worst_block, mean) = (figure(|d| d.worst_block), figure(|d| d.mean));
+        let worst_wood = figure(|d| d.worst_wood);
+        Self {
+            difference: Self::of_figures(worst_block, mean, worst_wood),
+            block_coverage: figure(|d| d.block_coverage),
+            worst_block,
+            mean,
+            worst_wood,
+        }
+    }
+
+    fn of_figures(worst_block: f64, mean: f64, worst_wood: f64) -> f64 {
+        worst_block.max(OF_MEAN * mean).max(OF_WOOD * worst_wood)
     }
 
     /// Each figure the larger one.
@@ -152,6 +176,24 @@ impl Difference {
     pub fn over(&self, limits: Limits) -> f64 {
         let of_difference = self.difference / limits.difference;
         of_difference.max(self.block_coverage / limits.block_coverage)
+    }
+}
+
+/// By how much more of a level's difference large pictures show than small ones, as far as two views tell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Enlargement {
+    /// Of small pictures, and of large ones.
+    of_two_views: [Difference; 2],
+    times_as_large: f64,
+}
+
+impl Enlargement {
+    /// How many times as far beyond the limits the level is in the large pictures; nothing where that is no number above
+    /// 0.
+    pub fn times(&self, limits: Limits) -> Option<f64> {
+        let [small, large] = self.of_two_views.map(|difference| difference.over(limits));
+        let times = large / small;
+        (times.is_finite() && times > 0.0).then_some(times)
     }
 }
 
@@ -197,6 +239,7 @@ pub struct DifferenceJudge {
     /// Cameras of a scene in place of [`VIEWS`].
     cameras: Option<Vec<View>>,
     turns_normals: bool,
+    samples: Samples,
     /// Pictures of the plants at the heights that were asked for last, the latest first.
     drawn: Mutex<Vec<DrawnAt>>,
     /// Of the textures of the plants, and of the level that was looked at last.
@@ -237,6 +280,7 @@ impl DifferenceJudge {
             occluders: Vec::new(),
             cameras: None,
             turns_normals: false,
+            samples: Samples::default(),
             drawn: Mutex::default(),
             masks: CutMasks::default(),
         }
@@ -247,6 +291,14 @@ impl DifferenceJudge {
     #[must_use]
     pub fn with_turned_normals(mut self) -> Self {
         self.turns_normals = true;
+        self
+    }
+
+    /// This judge with pictures of hardly more samples than pixels need: for a first look, in a third of the time where
+    /// they are small.
+    #[must_use]
+    pub fn with_coarse_samples(mut self) -> Self {
+        self.samples = Samples::Coarse;
         self
     }
 
@@ -311,6 +363,16 @@ impl DifferenceJudge {
         self.judged(&part, how, limits)
     }
 
+    /// By how much more two views show of a level's difference in large pictures than in small ones, by how high the
+    /// plant is in both in pixels.
+    pub fn enlargement(&self, level: &[Surface], [small_px, large_px]: [f64; 2]) -> Enlargement {
+        let at = |px: f64| self.difference(level, px, ViewCount::Glance);
+        Enlargement {
+            of_two_views: [small_px, large_px].map(at),
+            times_as_large: large_px / small_px,
+        }
+    }
+
     /// As [`difference_within`](Self::difference_within), of a level whose surfaces depend on where the eye stands.
     pub fn difference_of_seen(
         &self,
@@ -371,7 +433,7 @@ impl DifferenceJudge {
         let (surfaces, wood) = self.plants.surfaces(plant);
         let px_per_unit = pixels_high / self.size();
         let surfaces = references(surfaces);
-        let frame = Frame::around(&surfaces, eye, px_per_unit);
+        let frame = Frame::around(&surfaces, eye, px_per_unit, self.samples);
         let drawn = self.draw(&surfaces, wood, &frame);
         let picture = PlantPicture::of(drawn);
         let made = Arc::new((frame, picture));

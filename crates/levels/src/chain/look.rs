@@ -1,6 +1,6 @@
 //! How a level looks where it is seen, beside the original.
 
-use std::cell::{OnceCell, RefCell};
+use std::cell::{Cell, OnceCell, RefCell};
 use std::collections::BTreeMap;
 use std::rc::Rc;
 use std::sync::Arc;
@@ -8,7 +8,7 @@ use std::sync::Arc;
 use glam::DVec3;
 use secateur_eval::pictures::share_of_tight_frame;
 use secateur_eval::{
-    Difference, DifferenceJudge, Judging, Limits, MeasureError, Pictures, ViewCount,
+    Difference, DifferenceJudge, Enlargement, Judging, Limits, MeasureError, Pictures, ViewCount,
 };
 use secateur_gltf::{Detail, Document, GltfError, WholeTree};
 use secateur_model::{BoundingSphere, Note, Surface};
@@ -29,6 +29,9 @@ const LEAF_PICTURE_PX: u32 = 256;
 
 /// The tangent of half the field of view that just holds a sphere from 3 radii away: 1 / sqrt 8.
 const TIGHT_TANGENT: f64 = 0.353_553_390_593_273_8;
+
+/// What is so many times beyond the limits, as far as other levels tell, is not looked at in large pictures.
+const SURELY_BEYOND: f64 = 1.25;
 
 /// Every how many of the 48 held-out views FLIP of a level is taken from: six, of all four sets.
 const VIEW_STEP: usize = 8;
@@ -84,8 +87,10 @@ pub(super) struct Look {
     as_one: bool,
     /// How high the plant is at most in the pictures of a search, in pixels.
     search_px: f64,
-    /// Levels that are seen higher than this many pixels are judged from two views.
-    all_views_up_to_px: f64,
+    /// How far off levels are that are seen higher than this many pixels is estimated.
+    exact_up_to_px: f64,
+    /// By how much more large pictures show than those of a search, where that was looked at last.
+    enlargement: Cell<Option<Enlargement>>,
     /// How much levels may differ.
     pub(super) limits: Limits,
     /// How much cards and planes may.
@@ -147,6 +152,10 @@ impl Look {
         let original = LevelSurfaces::of(drawn);
         let judge = judge_of(original.surfaces.clone(), &is_wood, options.as_one)
             .in_scene(cameras.clone(), obstacles.clone());
+        let judge = match work.exact_up_to_px.is_finite() {
+            true => judge.with_coarse_samples(),
+            false => judge,
+        };
         let size = judge.size();
         let look = Self {
             clock,
@@ -156,7 +165,8 @@ impl Look {
             is_wood,
             as_one: options.as_one,
             search_px: work.search_px,
-            all_views_up_to_px: work.all_views_up_to_px,
+            exact_up_to_px: work.exact_up_to_px,
+            enlargement: Cell::default(),
             limits: options.limits(),
             limits_of_impostors: limits_of_impostors(options.limits(), leaves.leaves().len()),
             original,
@@ -197,42 +207,47 @@ impl Look {
     /// How many times as far off a level is in pictures of its size as in those of a search, at a glance; nothing where
     /// that is no number.
     pub(super) fn times_in_search(&self, drawn: &Drawn, pixels_high: f64) -> Option<f64> {
-        let over = |px: f64| {
-            let (surfaces, count) = (&drawn.level.surfaces, ViewCount::Glance);
-            self.clock.time(ChainStage::Difference, || {
-                self.judge.difference(surfaces, px, count).over(self.limits)
-            })
-        };
-        let in_search = over(pixels_high.min(self.search_px));
-        let times = over(pixels_high) / in_search;
-        (times.is_finite() && times > 0.0).then_some(times)
+        let by = self.enlargement(&drawn.level.surfaces, pixels_high);
+        by.times(self.limits)
+    }
+
+    fn enlargement(&self, surfaces: &[Surface], pixels_high: f64) -> Enlargement {
+        let sizes = [pixels_high.min(self.search_px), pixels_high];
+        let judge = || self.judge.enlargement(surfaces, sizes);
+        let by = self.clock.time(ChainStage::Difference, judge);
+        self.enlargement.set(Some(by));
+        by
     }
 
     /// How far a level with its own textures looks from the original, as it is put down; of fewer views if it is
-    /// beyond the limits, or large and the effort asks for fewer.
+    /// beyond the limits, and about so if it is large and the effort asks for no more.
     pub(super) fn difference(&self, surfaces: &[Surface], pixels_high: f64) -> Difference {
-        let count = match pixels_high > self.all_views_up_to_px {
-            true => ViewCount::Glance,
-            false => ViewCount::All,
-        };
-        self.clock.time(ChainStage::Difference, || {
-            self.judge
-                .difference_within(surfaces, pixels_high, count, self.limits)
-        })
+        let (judge, count) = (&self.judge, ViewCount::All);
+        if pixels_high <= self.exact_up_to_px {
+            let exact = || judge.difference_within(surfaces, pixels_high, count, self.limits);
+            return self.clock.time(ChainStage::Difference, exact);
+        }
+        let small_px = pixels_high.min(self.search_px);
+        let small = || judge.difference(surfaces, small_px, count);
+        let small = self.clock.time(ChainStage::Difference, small);
+        let large = |by: &Enlargement| small.enlarged(pixels_high / small_px, by);
+        let by_others = self.enlargement.get().map(|by| large(&by));
+        match by_others.filter(|found| found.over(self.limits) > SURELY_BEYOND) {
+            Some(beyond) => beyond,
+            None => large(&self.enlargement(surfaces, pixels_high)),
+        }
     }
 
-    /// Says of levels that were judged from two views alone.
-    pub(super) fn note_of_few_views(&self, levels: &[ChainLevel]) -> Option<Note> {
-        let largest_px = self.all_views_up_to_px;
-        let are_any = levels
-            .iter()
-            .any(|level| level.report.pixels_high > largest_px);
+    /// Says of levels whose difference is an estimate.
+    pub(super) fn note_of_estimates(&self, levels: &[ChainLevel]) -> Option<Note> {
+        let (exact_px, small_px) = (self.exact_up_to_px, self.search_px);
+        let is_estimate = |level: &ChainLevel| level.report.pixels_high > exact_px;
         let note = || {
             format!(
-                "levels that begin above {largest_px} pixels are judged from two views in place of six, as little effort is asked for"
+                "differences of levels that begin above {exact_px} pixels are estimates, as little effort is asked for: from six views of {small_px} pixels and two of that size"
             )
         };
-        are_any.then(|| note().into())
+        levels.iter().any(is_estimate).then(|| note().into())
     }
 
     /// How far one level looks from another that it takes the place of.

@@ -98,7 +98,7 @@ pub fn chain(
     let mut levels = clock.time(ChainStage::Figures, || {
         maker.ending(placed, impostors, &client, &mut notes, observer)
     })?;
-    notes.extend(maker.look.note_of_few_views(&levels));
+    notes.extend(maker.look.note_of_estimates(&levels));
     match (options.original, levels.len()) {
         (true, MAX_LEVELS) => {
             let most = format!("as a chain has at most {MAX_LEVELS} levels");
