@@ -1,11 +1,11 @@
 //! Rows of what is drawn at distances, as charts over the distance.
 
 use super::DistanceCase;
-use super::table::{drawn, flip_of, trees, walk_of};
+use super::table::{difference_of, drawn, trees, walk_of};
 use crate::Row;
 use crate::line_chart::{Line, line_chart};
 
-/// Two charts of each tree, triangles and FLIP over the distance: the name of a file, and the chart as SVG.
+/// Two charts of each tree, triangles and difference over the distance: the name of a file, and the chart as SVG.
 pub(crate) fn charts(rows: &[Row]) -> Vec<(String, String)> {
     let of_tree = |tree: &str| {
         let line = |name: &str, case, value: fn(&Row) -> f64| {
@@ -22,9 +22,17 @@ pub(crate) fn charts(rows: &[Row]) -> Vec<(String, String)> {
             line("fixed shares", DistanceCase::FixedShares, triangles),
         ];
         let looks = [
-            line("for the distances", DistanceCase::ForDistances, flip_of),
-            line("crossed planes", DistanceCase::Impostor, flip_of),
-            line("a mesh as light", DistanceCase::MeshOfSameCost, flip_of),
+            line(
+                "for the distances",
+                DistanceCase::ForDistances,
+                difference_of,
+            ),
+            line("crossed planes", DistanceCase::Impostor, difference_of),
+            line(
+                "a mesh as light",
+                DistanceCase::MeshOfSameCost,
+                difference_of,
+            ),
         ];
         let chart = |what: &str, title: &str, lines: &[Line]| {
             let title = format!("{tree}: {title}");
@@ -33,7 +41,7 @@ pub(crate) fn charts(rows: &[Row]) -> Vec<(String, String)> {
         };
         [
             chart("triangles", "triangles at the same difference", &levels),
-            chart("FLIP", "FLIP of meshes and impostors", &looks),
+            chart("difference", "difference of meshes and impostors", &looks),
         ]
     };
     trees(rows).into_iter().flat_map(of_tree).collect()
@@ -55,7 +63,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_tree_has_a_chart_of_triangles_and_one_of_flip() {
+    fn a_tree_has_a_chart_of_triangles_and_one_of_difference() {
         let mut rows: Vec<Row> = DISTANCES_M
             .map(|d| seen(DistanceCase::ForDistances, d, (400.0 / d) as u64, 0.04))
             .into();
@@ -67,7 +75,7 @@ mod tests {
         let names: Vec<&str> = charts.iter().map(|(name, _)| name.as_str()).collect();
         let expected = [
             "distances-an--oak--..-triangles.svg",
-            "distances-an--oak--..-FLIP.svg",
+            "distances-an--oak--..-difference.svg",
         ];
         assert_eq!(names, expected);
         for (_, svg) in &charts {

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::Instant;
 
-use secateur_eval::Limits;
+use secateur_eval::{Difference, Limits};
 use secateur_gltf::{Cutoffs, WholeTree};
 use secateur_levels::chain::{ChainError, ChainOptions, Shape, Textures, Wanted, chain};
 use secateur_levels::impostor::Choice;
@@ -192,27 +192,27 @@ impl<'a> Maker<'a> {
     /// The level for a distance.
     pub(super) fn level_for(&self, set: &LevelSet, case: DistanceCase, place: &Place<'_>) -> Drawn {
         let level = &set.levels[set.begun_at(place.distance_m)];
-        let flips = match level.is_impostor {
-            true => place.flips_beside_impostor(&level.surfaces),
-            false => place.flips(&level.surfaces),
+        let difference = match level.is_impostor {
+            true => place.difference_beside_impostor(&level.surfaces),
+            false => place.difference(&level.surfaces),
         };
-        set.drawn(level, case, flips)
+        set.drawn(level, case, difference)
     }
 
-    /// The coarsest level that differs no more than `most` there; else the original.
+    /// The coarsest level that is no more than so many times beyond the limits there; else the original.
     pub(super) fn coarsest(
         &self,
         set: &LevelSet,
         place: &Place<'_>,
-        most: f64,
+        most_over: f64,
     ) -> Result<Drawn, Error> {
         for level in set.levels.iter().rev() {
             let drawn = set.drawn(
                 level,
                 DistanceCase::FixedShares,
-                place.flips(&level.surfaces),
+                place.difference(&level.surfaces),
             );
-            if drawn.mean_flip() <= most {
+            if drawn.difference.over(Limits::GOOD) <= most_over {
                 return Ok(drawn);
             }
         }
@@ -222,13 +222,13 @@ impl<'a> Maker<'a> {
             leaves: self.tree.leaves().leaves().len() as u64,
             triangles: self.tree.items().foliage().triangles().len() as u64,
         };
-        Ok(set.drawn(&original, DistanceCase::FixedShares, vec![0.0]))
+        Ok(set.drawn(&original, DistanceCase::FixedShares, Difference::default()))
     }
 
     /// A mesh of as many triangles as the impostor for a distance, if one can be made, and the impostor.
     pub(super) fn impostor_and_mesh(&mut self, place: &Place<'_>) -> Result<Vec<Drawn>, Error> {
         let begun = Instant::now();
-        let Some((impostor, flips)) = place.crossed() else {
+        let Some((impostor, difference)) = place.crossed() else {
             return Ok(Vec::new());
         };
         let seconds = begun.elapsed().as_secs_f64();
@@ -238,7 +238,7 @@ impl<'a> Maker<'a> {
             case: DistanceCase::Impostor,
             leaves: 0,
             triangles,
-            flips,
+            difference,
             seconds,
             command: format!(
                 "secateur lods {path} -o levels --distances {} --impostor crossed",
@@ -251,7 +251,7 @@ impl<'a> Maker<'a> {
             case: DistanceCase::MeshOfSameCost,
             leaves: light.leaves,
             triangles: light.triangles,
-            flips: place.flips_beside_impostor(&light.surfaces),
+            difference: place.difference_beside_impostor(&light.surfaces),
             seconds: light.seconds,
             command,
         });
@@ -300,12 +300,12 @@ impl<'a> Maker<'a> {
 }
 
 impl LevelSet {
-    fn drawn(&self, level: &Level, case: DistanceCase, flips: Vec<f64>) -> Drawn {
+    fn drawn(&self, level: &Level, case: DistanceCase, difference: Difference) -> Drawn {
         Drawn {
             case,
             leaves: level.leaves,
             triangles: level.triangles,
-            flips,
+            difference,
             seconds: self.seconds,
             command: self.command.clone(),
         }

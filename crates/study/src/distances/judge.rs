@@ -2,88 +2,54 @@
 
 use std::path::Path;
 
-use secateur_eval::pictures::share_of_tight_frame;
-use secateur_eval::{MeasureError, Pictures};
+use secateur_eval::{Difference, DifferenceJudge, ViewCount};
 use secateur_gltf::WholeTree;
 use secateur_levels::impostor::Impostor;
-use secateur_levels::impostor::judge::{Judge, best_crossed};
-use secateur_model::{BoundingSphere, Surface};
-use secateur_raster::{View, ViewSet};
+use secateur_levels::impostor::judge::best_crossed;
+use secateur_model::Surface;
 use secateur_runtime::Screen;
 
 use crate::judge::{PictureFile, camera, opaque, portrait};
-use crate::subject::Subject;
 use crate::{Error, Host, Identity};
-
-/// From how many of the views that judge a plant is looked at: of the held-out ones those from which `lods`
-/// judges its levels.
-const VIEWS: usize = 6;
-
-/// The most pixels a side that pictures have.
-const MOST_PICTURE_PX: f64 = 1024.0;
 
 /// The original of a plant.
 pub(super) struct DistanceJudge {
     surfaces: Vec<Surface>,
-    directions: ViewSet,
-    sphere: BoundingSphere,
-    /// By what FLIP over a picture is multiplied to be that over the frame of `measure`.
-    frame_share: f64,
-    /// Height of the plant in metres.
-    height: f64,
+    of_meshes: DifferenceJudge,
+    /// With normals of double-sided leaves turned to the viewer.
+    of_impostors: DifferenceJudge,
 }
 
 impl DistanceJudge {
     /// Draws the original's picture for reports.
     pub(super) fn new(
-        subject: &Subject,
         tree: &WholeTree,
         identity: &Identity,
         folder: &Path,
         host: &dyn Host,
     ) -> Result<Self, Error> {
-        let items = tree.items();
-        let surfaces = items.surfaces()?.into_iter();
-        let surfaces: Vec<Surface> = surfaces.map(|(surface, _)| surface).collect();
-        let judging = subject.judged_by.about(items.foliage())?;
-        let views: Vec<View> = (judging.rigs.iter())
-            .flat_map(|set| set.views().iter().copied())
-            .collect();
-        let step = (views.len() / VIEWS).max(1);
-        let corners = items.foliage().triangles().iter().flat_map(|t| t.corners);
-        let (low, high) = corners.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), c| {
-            (low.min(c.y), high.max(c.y))
-        });
+        let drawn = tree.items().surfaces()?;
+        let is_wood: Vec<bool> = drawn.iter().map(|(_, is_foliage)| !is_foliage).collect();
+        let surfaces: Vec<Surface> = drawn.into_iter().map(|(surface, _)| surface).collect();
         crate::files::make_folder(&folder.join("pictures"))?;
         let picture = portrait(&surfaces, &camera(&surfaces));
         let file = PictureFile::picture(identity.original_picture());
         file.write(opaque(&picture), folder, host)?;
-        let sphere = (items.foliage().bounding_sphere()).ok_or(MeasureError::NoFoliage)?;
-        let of_leaves = tree.leaves().bounding_sphere().unwrap_or(sphere);
+        let judge = || DifferenceJudge::new(surfaces.clone(), &is_wood);
         Ok(Self {
-            directions: ViewSet::new(views.into_iter().step_by(step).collect()),
-            frame_share: share_of_tight_frame(sphere, of_leaves),
-            sphere,
-            height: high - low,
+            of_meshes: judge(),
+            of_impostors: judge().with_turned_normals(),
             surfaces,
         })
     }
 
     /// What judges at a distance.
     pub(super) fn at(&self, distance_m: f64) -> Place<'_> {
-        let screen = Screen::default();
-        let pixels_high = screen.pixels_high(self.height, distance_m);
-        let (directions, sphere) = (&self.directions, self.sphere);
-        let judge = Judge::new(directions, sphere, self.height, screen, pixels_high);
-        let judge = judge.with_frame_share(self.frame_share);
-        let judge = judge.in_pictures_of_at_most(MOST_PICTURE_PX);
+        let size_m = self.of_meshes.size();
         Place {
-            original: judge.of_mesh(&self.surfaces),
-            original_beside_impostor: judge.of_surfaces(&self.surfaces),
-            surfaces: &self.surfaces,
-            judge,
+            judge: self,
             distance_m,
-            pixels_high,
+            pixels_high: Screen::default().pixels_high(size_m, distance_m),
         }
     }
 }
@@ -92,33 +58,30 @@ impl DistanceJudge {
 pub(super) struct Place<'a> {
     pub(super) distance_m: f64,
     pub(super) pixels_high: f64,
-    surfaces: &'a [Surface],
-    judge: Judge,
-    original: Pictures,
-    original_beside_impostor: Pictures,
+    judge: &'a DistanceJudge,
 }
 
 impl Place<'_> {
-    /// FLIP of each view of a mesh.
-    pub(super) fn flips(&self, surfaces: &[Surface]) -> Vec<f64> {
-        let pictures = self.judge.of_mesh(surfaces);
-        self.judge.flips(&self.original, &pictures)
+    /// How far a mesh looks from the plant.
+    pub(super) fn difference(&self, surfaces: &[Surface]) -> Difference {
+        let judge = &self.judge.of_meshes;
+        judge.difference(surfaces, self.pixels_high, ViewCount::All)
     }
 
-    /// FLIP of each view of a mesh as impostors are judged.
-    pub(super) fn flips_beside_impostor(&self, surfaces: &[Surface]) -> Vec<f64> {
-        let pictures = self.judge.of_surfaces(surfaces);
-        self.judge.flips(&self.original_beside_impostor, &pictures)
+    /// As impostors are judged.
+    pub(super) fn difference_beside_impostor(&self, surfaces: &[Surface]) -> Difference {
+        let judge = &self.judge.of_impostors;
+        judge.difference(surfaces, self.pixels_high, ViewCount::All)
     }
 
-    /// The crossed planes that look most like the plant, and FLIP of each view of them; none of a plant
-    /// of which nothing can be seen.
-    pub(super) fn crossed(&self) -> Option<(Impostor, Vec<f64>)> {
-        let (judge, height) = (&self.judge, self.pixels_high);
-        let original = &self.original_beside_impostor;
-        let figure = |made: &Impostor| judge.flip(original, &judge.of_impostor(made));
-        let (impostor, _) = best_crossed(self.surfaces, height, figure)?;
-        let flips = judge.flips(original, &judge.of_impostor(&impostor));
-        Some((impostor, flips))
+    /// The crossed planes that look most like the plant, and how far they look from it; none of a plant of which
+    /// nothing can be seen.
+    pub(super) fn crossed(&self) -> Option<(Impostor, Difference)> {
+        let seen =
+            |made: &Impostor| self.difference_beside_impostor(std::slice::from_ref(&made.surface));
+        let figure = |made: &Impostor| seen(made).difference;
+        let (impostor, _) = best_crossed(&self.judge.surfaces, self.pixels_high, figure)?;
+        let difference = seen(&impostor);
+        Some((impostor, difference))
     }
 }

@@ -6,6 +6,7 @@ mod drawn_levels;
 mod judge;
 mod table;
 
+use secateur_eval::{Difference, Limits};
 use secateur_gltf::WholeTree;
 use secateur_raster::OpenEngine;
 use serde::{Deserialize, Serialize};
@@ -15,7 +16,7 @@ use crate::judge::in_folder;
 use crate::row_file::RowFile;
 use crate::rows::millionths;
 use crate::subject::Subject;
-use crate::{Error, Host, Identity, Row, RowKey, StudyOptions, Values};
+use crate::{Error, Host, Identity, Row, RowKey, StudyOptions};
 
 pub(crate) use charts::charts;
 use drawn_levels::{LevelSet, Maker};
@@ -29,8 +30,9 @@ const DISTANCES_M: [f64; 5] = [5.0, 10.0, 20.0, 40.0, 80.0];
 /// The shares of all triangles that levels for no distance have if the user names none.
 const SHARES: [f64; 3] = [0.5, 0.25, 0.1];
 
-/// The mean FLIP, over the frame of `measure`, that a level may have at its distance.
-const MOST_FLIP: f64 = 0.05;
+/// Keys of the values that rows at distances have.
+const DIFFERENCE: &str = "difference";
+const BLOCK_COVERAGE: &str = "block_coverage";
 
 /// No share is asked for of what is made for a distance.
 const NO_LEVEL: f64 = 1.0;
@@ -169,22 +171,11 @@ struct Drawn {
     case: DistanceCase,
     leaves: u64,
     triangles: u64,
-    /// FLIP of each view.
-    flips: Vec<f64>,
+    difference: Difference,
     /// What it took to make it and, of a chain, all other levels.
     seconds: f64,
     /// The command that makes it again, given in the folder of the program's call.
     command: String,
-}
-
-impl Drawn {
-    fn mean_flip(&self) -> f64 {
-        self.flips.iter().sum::<f64>() / self.flips.len() as f64
-    }
-
-    fn worst_flip(&self) -> f64 {
-        self.flips.iter().copied().fold(0.0, f64::max)
-    }
 }
 
 /// What the rows of a tree at the distances are made with and go to.
@@ -205,7 +196,7 @@ impl Walk<'_> {
         let (options, host) = (self.options, self.host);
         let selectors = subject.selectors(&options.selectors);
         let tree = WholeTree::open_within(&subject.path, selectors, options.memory)?;
-        let judge = DistanceJudge::new(subject, &tree, identity, &options.folder, host)?;
+        let judge = DistanceJudge::new(&tree, identity, &options.folder, host)?;
         let mut maker = Maker::new(&tree, &subject.path, host)?;
         let plan = WalkPlan::of(options);
         host.working_on(&format!("{}: levels for distances", subject.name));
@@ -218,8 +209,8 @@ impl Walk<'_> {
             let place = judge.at(distance_m);
             let ours = maker.level_for(&for_distances, DistanceCase::ForDistances, &place);
             let meshes = maker.level_for(&meshes, DistanceCase::MeshesForDistances, &place);
-            let most = ours.mean_flip().max(MOST_FLIP);
-            let fixed = maker.coarsest(&of_shares, &place, most)?;
+            let most_over = ours.difference.over(Limits::GOOD).max(1.0);
+            let fixed = maker.coarsest(&of_shares, &place, most_over)?;
             let mut all = vec![ours, meshes, fixed];
             all.extend(maker.impostor_and_mesh(&place)?);
             if host.is_stop_asked() {
@@ -245,9 +236,12 @@ impl Walk<'_> {
         drawn: &Drawn,
     ) -> Row {
         let [method, setting] = drawn.case.method_and_setting(plan, place.distance_m);
-        let values = |flip: f64| -> Values {
-            [("flip_mean".to_owned(), Some(flip).filter(|f| f.is_finite()))].into()
-        };
+        let Difference {
+            difference,
+            block_coverage,
+            ..
+        } = drawn.difference;
+        let values = [(DIFFERENCE, difference), (BLOCK_COVERAGE, block_coverage)];
         let (leaves, wood) = (tree.leaves(), tree.wood());
         Row {
             method,
@@ -262,8 +256,9 @@ impl Walk<'_> {
                 triangles_original: (leaves.triangles().len() + wood.triangles().len()) as u64,
             }),
             seconds: drawn.seconds,
-            values: values(drawn.mean_flip()),
-            worst: values(drawn.worst_flip()),
+            values: values
+                .map(|(key, value)| (key.to_owned(), Some(value)))
+                .into(),
             engine: engine.name().to_owned(),
             adapter: engine.adapter(),
             command: in_folder(&drawn.command, &self.options.folder),
@@ -288,7 +283,12 @@ pub(crate) mod tests {
     use crate::rows::tests::row;
 
     /// A row of what is drawn at a distance.
-    pub(crate) fn seen(case: DistanceCase, distance_m: f64, triangles: u64, flip: f64) -> Row {
+    pub(crate) fn seen(
+        case: DistanceCase,
+        distance_m: f64,
+        triangles: u64,
+        difference: f64,
+    ) -> Row {
         let plan = WalkPlan {
             distances_m: DISTANCES_M.to_vec(),
             shares: SHARES.to_vec(),
@@ -297,7 +297,7 @@ pub(crate) mod tests {
         let mut row = row(&method, NO_LEVEL, 1.0, 1.0);
         row.setting = setting;
         row.triangles_final = triangles;
-        row.values = [("flip_mean".to_owned(), Some(flip))].into();
+        row.values = [(DIFFERENCE.to_owned(), Some(difference))].into();
         row.seen_from = Some(SeenFrom {
             case,
             distance_m,

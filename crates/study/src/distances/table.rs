@@ -1,11 +1,11 @@
 //! Rows of what is drawn at distances, as tables.
 
-use super::{DistanceCase, MOST_FLIP};
+use super::{DIFFERENCE, DistanceCase};
 use crate::Row;
 use crate::table::Table;
 
 /// What stands above the tables.
-pub(crate) const WHAT_IS_COMPARED: &str = "A plant from which one walks away, on a screen of 1080 pixels and 60 degrees. `for the distances` is `lods --distances` with those of the walk, which takes cards (docs/impostors.md) where they are within the difference and lighter, and `meshes alone` the same with `--impostor none`; of fixed shares of all triangles (`lods --levels`) the coarsest level is drawn whose FLIP at the distance is at most .05, or at most that of the level for the distance if this has more, and the original if none is. FLIP is of the whole plant as large as the screen shows it there, in pictures of 48 to 1024 pixels a side, from six of the views that judge: as far off as it is seen from, but at least three radii; its mean is over the frame of `measure`. Crossed planes are two to four, lit by normals or flat, whichever has the least FLIP. Where cards and crossed planes are judged, normals of double-sided leaves are turned to the viewer. Beside crossed planes stands a mesh of as many triangles (`simplify --triangles`), where one can be made.";
+pub(crate) const WHAT_IS_COMPARED: &str = "A plant from which one walks away, on a screen of 1080 pixels and 60 degrees. `for the distances` is `lods --distances` with those of the walk, which takes cards (docs/impostors.md) where they are within the difference and lighter, and `meshes alone` the same with `--impostor none`. Of fixed shares of all triangles (`lods --triangles`) the coarsest level is drawn that is within the difference of .28 and the coverage of .20 at the distance, or as far beyond as the level for the distance if that is; and the original if none is. Differences are of the whole plant as large as the screen shows it there. Crossed planes are two to four, lit by normals or flat, whichever looks nearest. Where cards and crossed planes are judged, normals of double-sided leaves are turned to the viewer. Beside crossed planes stands a mesh of as many triangles (`simplify --triangles`), where one can be made.";
 
 /// What is drawn of a tree at a distance, if there are rows of it. Of several the last counts.
 pub(super) fn drawn<'r>(
@@ -21,8 +21,8 @@ pub(super) fn drawn<'r>(
     rows.iter().rev().find(is_it)
 }
 
-pub(super) fn flip_of(row: &Row) -> f64 {
-    let value = row.values.get("flip_mean").copied().flatten();
+pub(super) fn difference_of(row: &Row) -> f64 {
+    let value = row.values.get(DIFFERENCE).copied().flatten();
     value.unwrap_or(f64::NAN)
 }
 
@@ -57,7 +57,7 @@ pub(super) fn walk_of(rows: &[Row], tree: &str) -> Vec<f64> {
     distances_m
 }
 
-/// Triangles that are drawn over the walk, each metre counted alike, and the largest FLIP; none if a
+/// Triangles that are drawn over the walk, each metre counted alike, and the largest difference; none if a
 /// distance has no row, or there is but one.
 fn over_walk(rows: &[Row], tree: &str, case: DistanceCase) -> Option<(f64, f64)> {
     let walk = walk_of(rows, tree);
@@ -66,7 +66,7 @@ fn over_walk(rows: &[Row], tree: &str, case: DistanceCase) -> Option<(f64, f64)>
         let row = drawn(rows, tree, case, *distance_m)?;
         let end = walk.get(k + 1).unwrap_or(distance_m);
         sum += row.triangles_final as f64 * (end - distance_m);
-        largest = largest.max(flip_of(row));
+        largest = largest.max(difference_of(row));
     }
     match walk[..] {
         [first, .., last] => Some((sum / (last - first), largest)),
@@ -81,11 +81,11 @@ pub(crate) fn walks(rows: &[Row]) -> Option<Table> {
         "triangles",
         "metres",
         "for the distances",
-        "most FLIP",
+        "most",
         "meshes alone",
-        "most FLIP",
+        "most",
         "fixed shares",
-        "most FLIP",
+        "most",
         "times the fixed shares'",
     ]);
     for tree in trees(rows) {
@@ -96,7 +96,7 @@ pub(crate) fn walks(rows: &[Row]) -> Option<Table> {
         );
         let original = rows.iter().filter(|row| row.tree == tree);
         let original = original.filter_map(|row| row.seen_from).next_back();
-        if let (Some((ours, our_flip)), Some((fixed, fixed_flip)), Some(seen)) =
+        if let (Some((ours, our_most)), Some((fixed, fixed_most)), Some(seen)) =
             (ours, fixed, original)
         {
             let meshes = of(DistanceCase::MeshesForDistances);
@@ -105,11 +105,11 @@ pub(crate) fn walks(rows: &[Row]) -> Option<Table> {
                 seen.triangles_original.to_string(),
                 of_range(&walk_of(rows, tree)),
                 format!("{ours:.0}"),
-                format!("{our_flip:.4}"),
+                format!("{our_most:.3}"),
                 meshes.map_or(String::new(), |(triangles, _)| format!("{triangles:.0}")),
-                meshes.map_or(String::new(), |(_, flip)| format!("{flip:.4}")),
+                meshes.map_or(String::new(), |(_, most)| format!("{most:.3}")),
                 format!("{fixed:.0}"),
-                format!("{fixed_flip:.4}"),
+                format!("{fixed_most:.3}"),
                 format!("{:.2}", ours / fixed),
             ]);
         }
@@ -128,8 +128,8 @@ fn of_range(walk: &[f64]) -> String {
 /// A title and a table: triangles over the walk, then what each tree shows at each distance.
 pub(crate) fn tables(rows: &[Row]) -> Vec<(String, Table)> {
     let walk = walks(rows).map(|table| {
-        let title = format!("Triangles drawn over the walk, at a FLIP of {MOST_FLIP}");
-        (title, table)
+        let title = "Triangles drawn over the walk, and the largest difference";
+        (title.to_owned(), table)
     });
     let of_tree = |tree: &str| (format!("{tree} at each distance"), at_distances(rows, tree));
     walk.into_iter()
@@ -142,15 +142,15 @@ fn at_distances(rows: &[Row], tree: &str) -> Table {
         "metres",
         "pixels high",
         "for the distances",
-        "FLIP",
+        "difference",
         "meshes alone",
-        "FLIP",
+        "difference",
         "fixed shares",
-        "FLIP",
+        "difference",
         "crossed planes",
-        "FLIP",
+        "difference",
         "mesh of as many",
-        "FLIP",
+        "difference",
     ]);
     for distance_m in walk_of(rows, tree) {
         let of = |case| drawn(rows, tree, case, distance_m);
@@ -172,7 +172,7 @@ fn at_distances(rows: &[Row], tree: &str) -> Table {
         for case in cases {
             let row = of(case);
             cells.push(row.map_or(String::new(), |row| row.triangles_final.to_string()));
-            cells.push(row.map_or(String::new(), |row| format!("{:.4}", flip_of(row))));
+            cells.push(row.map_or(String::new(), |row| format!("{:.3}", difference_of(row))));
         }
         table.push(cells);
     }
@@ -192,7 +192,7 @@ mod tests {
         let ours = [(40, 0.05), (40, 0.04), (20, 0.05), (10, 0.03), (1, 0.01)];
         let ours = DISTANCES_M.iter().zip(ours);
         let ours = ours
-            .map(|(d, (triangles, flip))| seen(DistanceCase::ForDistances, *d, triangles, flip));
+            .map(|(d, (triangles, most))| seen(DistanceCase::ForDistances, *d, triangles, most));
         let fixed = DISTANCES_M.map(|d| seen(DistanceCase::FixedShares, d, 50, 0.02));
         ours.chain(fixed).collect()
     }
@@ -203,7 +203,7 @@ mod tests {
         let table = walks(&rows).unwrap();
         // (5 x 40 + 10 x 40 + 20 x 20 + 40 x 10) / 75.
         let expected = [
-            "oak", "1000", "5 to 80", "19", "0.0500", "", "", "50", "0.0200", "0.37",
+            "oak", "1000", "5 to 80", "19", "0.050", "", "", "50", "0.020", "0.37",
         ];
         assert_eq!(table.body, [expected]);
         assert!(walks(&rows[..9]).is_none(), "a distance has no row");
@@ -226,7 +226,7 @@ mod tests {
         assert_eq!(tables.len(), 2);
         let line = &tables[1].1.body[2];
         let expected = [
-            "20", "270", "20", "0.0500", "", "", "50", "0.0200", "8", "0.5000", "", "",
+            "20", "270", "20", "0.050", "", "", "50", "0.020", "8", "0.500", "", "",
         ];
         assert_eq!(line[..], expected);
         // A later run of the same name counts.
