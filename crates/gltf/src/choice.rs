@@ -172,22 +172,46 @@ fn shorten(mut list: Vec<String>) -> Vec<String> {
 }
 
 /// Selectors for groups: by material, or by mesh where other groups share the
-/// material.
+/// material. Many whose names differ in their last number are one with a wildcard, if it names nothing else.
 fn candidates(document: &Document, survey: &Survey, wanted: impl Fn(usize) -> bool) -> Vec<String> {
     let groups = &survey.groups;
     let mut sharing: HashMap<Option<usize>, usize> = HashMap::new();
     for group in groups {
         *sharing.entry(group.look.material).or_default() += 1;
     }
-    let mut found = Vec::new();
-    for (_, group) in groups.iter().enumerate().filter(|(k, _)| wanted(*k)) {
+    let selector = |group: &Group| {
         let labels = document.labels(group, group.nodes[0]);
-        let selector = if sharing[&group.look.material] == 1 {
-            Selector::Material(labels.material.to_string())
-        } else {
-            Selector::Mesh(labels.mesh.to_string())
+        match sharing[&group.look.material] {
+            1 => Selector::Material(labels.material.to_string()),
+            _ => Selector::Mesh(labels.mesh.to_string()),
+        }
+    };
+    let (of_wanted, others): (Vec<_>, Vec<_>) =
+        groups.iter().enumerate().partition(|(k, _)| wanted(*k));
+    let of_wanted = of_wanted.into_iter();
+    let of_wanted: Vec<String> = of_wanted
+        .map(|(_, group)| selector(group).to_string())
+        .collect();
+    let names_other = |wildcard: &Selector| {
+        let is_named = |(_, group): &(usize, &Group)| {
+            let mut nodes = group.nodes.iter();
+            nodes.any(|node| wildcard.matches(document.labels(group, *node)))
         };
-        let text = selector.to_string();
+        others.iter().any(is_named)
+    };
+    let in_one = |name: &String| {
+        let stem = without_number(name);
+        let is_many = of_wanted
+            .iter()
+            .filter(|other| other.starts_with(stem))
+            .count()
+            >= LEAST_FOR_WILDCARD;
+        let wildcard: Selector = format!("{stem}*").parse().ok()?;
+        (is_many && !names_other(&wildcard)).then(|| wildcard.to_string())
+    };
+    let mut found: Vec<String> = Vec::new();
+    for name in &of_wanted {
+        let text = in_one(name).unwrap_or_else(|| name.clone());
         if !found.contains(&text) {
             found.push(text);
         }
@@ -196,6 +220,18 @@ fn candidates(document: &Document, survey: &Survey, wanted: impl Fn(usize) -> bo
         }
     }
     shorten(found)
+}
+
+/// So many names or more that differ in their last number are one with a wildcard.
+const LEAST_FOR_WILDCARD: usize = 3;
+
+/// A selector without the number at the end of its name; all of it where nothing of the name would be left.
+fn without_number(selector: &str) -> &str {
+    let stem = selector.trim_end_matches(|c: char| c.is_ascii_digit());
+    match stem.ends_with([':', '#']) {
+        true => selector,
+        false => stem,
+    }
 }
 
 /// Why a selector that matches nothing is refused, with what it could name.

@@ -1,7 +1,7 @@
 //! What is taken for foliage, and what is said where it can't be told.
 
 use secateur_gltf::{Selector, TakenFor};
-use serde_json::json;
+use serde_json::{Value, json};
 
 use crate::roles::case;
 use crate::small_tree::SmallTree;
@@ -97,6 +97,27 @@ fn names_outweigh_shapes() {
         error(&tree, &[]),
         "small.glb: no foliage was found; name it by a selector: material:leaf"
     );
+}
+
+/// Names that differ in their last number are named by a wildcard, unless that would name wood.
+#[test]
+fn many_names_are_one_with_a_wildcard() {
+    let crowns = |of_wood: &str| {
+        let tree = quads_and_box();
+        let [quads, boxed] = [0, 1].map(|k| tree.root["meshes"][0]["primitives"][k].clone());
+        let crown = |k: usize| json!({"name": format!("crown.00{k}"), "primitives": [boxed]});
+        let nodes: Vec<Value> = (0..4).map(|mesh| json!({"mesh": mesh})).collect();
+        let wood = json!({"name": of_wood, "primitives": [quads]});
+        let tree = tree
+            .set("/materials", json!([{"name": "bark"}, {"name": "leaf"}]))
+            .set("/meshes", json!([wood, crown(1), crown(2), crown(3)]))
+            .set("/nodes", json!(nodes))
+            .set("/scenes/0/nodes", json!([0, 1, 2, 3]));
+        tree.document().inspect(&[]).candidates
+    };
+    assert_eq!(crowns("trunk"), ["mesh:crown.*"]);
+    let each = ["mesh:crown.001", "mesh:crown.002", "mesh:crown.003"];
+    assert_eq!(crowns("crown.000"), each);
 }
 
 /// The points and the texts of what a primitive's names say.
