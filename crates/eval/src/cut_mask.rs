@@ -42,7 +42,7 @@ struct Squares {
 }
 
 impl Squares {
-    /// Of these flags of a texture of this width, for so many of them a side.
+    /// The squares of `side` x `side` texels of a texture of `width` texels a row, from what is so of each texel.
     fn of(flags: &[u8], width: usize, side: usize) -> Self {
         let columns = width.div_ceil(side);
         let of_rows = flags.chunks(width * side).flat_map(|rows| {

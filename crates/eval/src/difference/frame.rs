@@ -33,7 +33,7 @@ pub(super) enum Samples {
 }
 
 impl Samples {
-    /// Along a side of a pixel, of a plant whose longest side has so many pixels.
+    /// Samples along a side of a pixel, for a plant whose longest side is `longest_px` pixels long.
     fn a_side(self, longest_px: f64) -> u32 {
         let along_plant = match self {
             Self::Fine => 1024.0,

@@ -17,6 +17,7 @@
 //! `graded` prints.
 
 mod blocks;
+mod figures;
 mod frame;
 mod mask;
 mod picture;
@@ -30,9 +31,10 @@ use glam::DVec3;
 use rayon::prelude::*;
 use secateur_model::{BoundingSphere, Surface};
 use secateur_raster::View;
-use serde::Serialize;
 
 use blocks::ViewScores;
+use figures::OF_MEAN;
+pub use figures::{Difference, Enlargement, Limits};
 use frame::{Eye, Frame, Samples};
 use picture::{DrawnPlant, PlantPicture, draw};
 use plants::Plants;
@@ -59,15 +61,6 @@ const GLANCE_VIEWS: usize = 2;
 /// Where eyes stand, in radii of the plant's bounding sphere.
 const RADII: f64 = 3.0;
 
-/// By what the mean over the plant is multiplied to be held against its worst block.
-const OF_MEAN: f64 = 1.75;
-
-/// By what the worst block of wood is multiplied: boughs within a crown are few pixels, and everyone misses them.
-const OF_WOOD: f64 = 0.45;
-
-/// Of how many views, those that show most, the worst block of wood is the mean.
-const WOOD_VIEWS: usize = 2;
-
 /// After how many views a level may be given up: enough for what is far beyond the limits.
 const FIRST_VIEWS: usize = 2;
 
@@ -92,132 +85,6 @@ pub(crate) fn of_picture(judged: &[u32], errors: &[f32], [width, height]: [usize
     let [worst, mean] =
         blocks::worst_and_mean(least, (judged, errors), side as u32, count, block_of);
     worst.max(OF_MEAN * mean)
-}
-
-/// How far a level looks from its plant.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
-pub struct Difference {
-    /// max(B, 1.75 M, .45 W), 0 to 1.75: the greater the worse.
-    pub difference: f64,
-    /// C: the largest relative difference of covered area in a block with a tenth of plant, 0 or more.
-    pub block_coverage: f64,
-    /// B: mean FLIP over the worst block, 0 to 1.
-    pub worst_block: f64,
-    /// M: mean FLIP over the plant's pixels, 0 to 1.
-    pub mean: f64,
-    /// W: mean FLIP over the wood of the worst block, of the two views that show most, 0 to 1; 0 where wood is not
-    /// known.
-    pub worst_wood: f64,
-}
-
-impl Difference {
-    /// A level with a larger difference is another plant: coarser than for backgrounds.
-    pub const ANOTHER_PLANT: f64 = 0.5;
-
-    /// The mean over views.
-    fn of_views(views: &[ViewScores]) -> Self {
-        let mean = |of: fn(&ViewScores) -> f64| {
-            views.iter().map(of).sum::<f64>() / views.len().max(1) as f64
-        };
-        let (worst_block, mean_flip) = (mean(|v| v.worst_block), mean(|v| v.mean));
-        // A bough that is gone hides behind leaves from most sides.
-        let mut woods: Vec<f64> = views.iter().map(|v| v.worst_wood).collect();
-        woods.sort_by(|a, b| b.total_cmp(a));
-        woods.truncate(WOOD_VIEWS);
-        let worst_wood = woods.iter().sum::<f64>() / woods.len().max(1) as f64;
-        Self {
-            difference: Self::of_figures(worst_block, mean_flip, worst_wood),
-            block_coverage: mean(|v| v.block_coverage),
-            worst_block,
-            mean: mean_flip,
-            worst_wood,
-        }
-    }
-
-    /// What this, of small pictures, would about be in pictures so many times as large.
-    pub fn enlarged(self, times_as_large: f64, by: &Enlargement) -> Self {
-        let [small, large] = &by.of_two_views;
-        let power = match by.times_as_large > 1.0 {
-            true => times_as_large.ln() / by.times_as_large.ln(),
-            false => 0.0,
-        };
-        let figure = |of: fn(&Self) -> f64| match of(small) > 0.0 {
-            true => of(&self) * (of(large) / of(small)).powf(power),
-            false => of(&self).max(of(large)),
-        };
-        let (worst_block, mean) = (figure(|d| d.worst_block), figure(|d| d.mean));
-        let worst_wood = figure(|d| d.worst_wood);
-        Self {
-            difference: Self::of_figures(worst_block, mean, worst_wood),
-            block_coverage: figure(|d| d.block_coverage),
-            worst_block,
-            mean,
-            worst_wood,
-        }
-    }
-
-    fn of_figures(worst_block: f64, mean: f64, worst_wood: f64) -> f64 {
-        worst_block.max(OF_MEAN * mean).max(OF_WOOD * worst_wood)
-    }
-
-    /// Each figure the larger one.
-    fn worse(self, other: Self) -> Self {
-        Self {
-            difference: self.difference.max(other.difference),
-            block_coverage: self.block_coverage.max(other.block_coverage),
-            worst_block: self.worst_block.max(other.worst_block),
-            mean: self.mean.max(other.mean),
-            worst_wood: self.worst_wood.max(other.worst_wood),
-        }
-    }
-
-    /// How many times the limits this is: above 1 it is beyond one of them.
-    pub fn over(&self, limits: Limits) -> f64 {
-        let of_difference = self.difference / limits.difference;
-        of_difference.max(self.block_coverage / limits.block_coverage)
-    }
-}
-
-/// By how much more of a level's difference large pictures show than small ones, as far as two views tell.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Enlargement {
-    /// Of small pictures, and of large ones.
-    of_two_views: [Difference; 2],
-    times_as_large: f64,
-}
-
-impl Enlargement {
-    /// How many times as far beyond the limits the level is in the large pictures; nothing where that is no number above
-    /// 0.
-    pub fn times(&self, limits: Limits) -> Option<f64> {
-        let [small, large] = self.of_two_views.map(|difference| difference.over(limits));
-        let times = large / small;
-        (times.is_finite() && times > 0.0).then_some(times)
-    }
-}
-
-/// How much a level may differ.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Limits {
-    /// The largest [`Difference::difference`].
-    pub difference: f64,
-    /// The largest [`Difference::block_coverage`].
-    pub block_coverage: f64,
-}
-
-impl Limits {
-    /// .28 with .20: of 97 graded pairs all that cannot be told, 18 of 22 that are hard to tell, and none that is
-    /// plainly coarser.
-    pub const GOOD: Self = Self::of_difference(0.28);
-
-    /// A difference with its share of coverage: .20 for .28, and as much more or less for others.
-    pub const fn of_difference(difference: f64) -> Self {
-        Self {
-            difference,
-            block_coverage: difference * (0.20 / 0.28),
-        }
-    }
 }
 
 /// From how many views a level is judged.
@@ -363,13 +230,12 @@ impl DifferenceJudge {
         self.judged(&part, how, limits)
     }
 
-    /// By how much more two views show of a level's difference in large pictures than in small ones, by how high the
-    /// plant is in both in pixels.
-    pub fn enlargement(&self, level: &[Surface], [small_px, large_px]: [f64; 2]) -> Enlargement {
+    /// The difference of a level from two views, where the plant is `small_px` and `large_px` high, in pixels.
+    pub fn enlargement(&self, level: &[Surface], small_px: f64, large_px: f64) -> Enlargement {
         let at = |px: f64| self.difference(level, px, ViewCount::Glance);
         Enlargement {
-            of_two_views: [small_px, large_px].map(at),
-            times_as_large: large_px / small_px,
+            small: at(small_px),
+            large: at(large_px),
         }
     }
 

@@ -66,7 +66,8 @@ fn round_leaf() -> Surface {
     })
 }
 
-/// One triangle of a card on which a texture of so many texels a side repeats so often, opaque where it is said.
+/// One triangle of a card on which a texture of `side` x `side` texels repeats `repeats` times, opaque where
+/// `is_opaque` says so of a column and row.
 fn card(side: u32, repeats: f32, is_opaque: impl Fn(u32, u32) -> bool) -> Surface {
     let alpha = |k: u32| match is_opaque(k % side, k / side) {
         true => 255,

@@ -1,6 +1,6 @@
 //! How a level looks where it is seen, beside the original.
 
-use std::cell::{Cell, OnceCell, RefCell};
+use std::cell::{OnceCell, RefCell};
 use std::collections::BTreeMap;
 use std::rc::Rc;
 use std::sync::Arc;
@@ -29,9 +29,6 @@ const LEAF_PICTURE_PX: u32 = 256;
 
 /// The tangent of half the field of view that just holds a sphere from 3 radii away: 1 / sqrt 8.
 const TIGHT_TANGENT: f64 = 0.353_553_390_593_273_8;
-
-/// What is so many times beyond the limits, as far as other levels tell, is not looked at in large pictures.
-const SURELY_BEYOND: f64 = 1.25;
 
 /// Every how many of the 48 held-out views FLIP of a level is taken from: six, of all four sets.
 const VIEW_STEP: usize = 8;
@@ -89,8 +86,6 @@ pub(super) struct Look {
     search_px: f64,
     /// How far off levels are that are seen higher than this many pixels is estimated.
     exact_up_to_px: f64,
-    /// By how much more large pictures show than those of a search, where that was looked at last.
-    enlargement: Cell<Option<Enlargement>>,
     /// How much levels may differ.
     pub(super) limits: Limits,
     /// How much cards and planes may.
@@ -166,7 +161,6 @@ impl Look {
             as_one: options.as_one,
             search_px: work.search_px,
             exact_up_to_px: work.exact_up_to_px,
-            enlargement: Cell::default(),
             limits: options.limits(),
             limits_of_impostors: limits_of_impostors(options.limits(), leaves.leaves().len()),
             original,
@@ -212,29 +206,26 @@ impl Look {
     }
 
     fn enlargement(&self, surfaces: &[Surface], pixels_high: f64) -> Enlargement {
-        let sizes = [pixels_high.min(self.search_px), pixels_high];
-        let judge = || self.judge.enlargement(surfaces, sizes);
-        let by = self.clock.time(ChainStage::Difference, judge);
-        self.enlargement.set(Some(by));
-        by
+        let small_px = pixels_high.min(self.search_px);
+        let judge = || self.judge.enlargement(surfaces, small_px, pixels_high);
+        self.clock.time(ChainStage::Difference, judge)
     }
 
     /// How far a level with its own textures looks from the original, as it is put down; of fewer views if it is
     /// beyond the limits, and about so if it is large and the effort asks for no more.
     pub(super) fn difference(&self, surfaces: &[Surface], pixels_high: f64) -> Difference {
-        let (judge, count) = (&self.judge, ViewCount::All);
-        if pixels_high <= self.exact_up_to_px {
-            let exact = || judge.difference_within(surfaces, pixels_high, count, self.limits);
-            return self.clock.time(ChainStage::Difference, exact);
+        let all_views = |px: f64| {
+            let (judge, count) = (&self.judge, ViewCount::All);
+            let look = || judge.difference_within(surfaces, px, count, self.limits);
+            self.clock.time(ChainStage::Difference, look)
+        };
+        if pixels_high <= self.exact_up_to_px.max(self.search_px) {
+            return all_views(pixels_high);
         }
-        let small_px = pixels_high.min(self.search_px);
-        let small = || judge.difference(surfaces, small_px, count);
-        let small = self.clock.time(ChainStage::Difference, small);
-        let large = |by: &Enlargement| small.enlarged(pixels_high / small_px, by);
-        let by_others = self.enlargement.get().map(|by| large(&by));
-        match by_others.filter(|found| found.over(self.limits) > SURELY_BEYOND) {
-            Some(beyond) => beyond,
-            None => large(&self.enlargement(surfaces, pixels_high)),
+        let small = all_views(self.search_px);
+        match small.over(self.limits) > 1.0 {
+            true => small,
+            false => small.enlarged(&self.enlargement(surfaces, pixels_high)),
         }
     }
 
@@ -244,7 +235,7 @@ impl Look {
         let is_estimate = |level: &ChainLevel| level.report.pixels_high > exact_px;
         let note = || {
             format!(
-                "differences of levels that begin above {exact_px} pixels are estimates, as little effort is asked for: from six views of {small_px} pixels and two of that size"
+                "differences of levels that begin above {exact_px} pixels are estimates, as little effort is asked for: from six views of at most {small_px} pixels with few samples, and two of full size"
             )
         };
         levels.iter().any(is_estimate).then(|| note().into())

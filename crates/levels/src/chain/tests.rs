@@ -4,13 +4,13 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use glam::{DQuat, DVec3, Vec3};
-use secateur_eval::Difference;
-use secateur_gltf::{Document, WholeTree, plant_to_glb};
+use secateur_eval::{Difference, DifferenceJudge, ViewCount};
+use secateur_gltf::{Detail, Document, WholeTree, plant_to_glb};
 use secateur_model::{AlphaMode, BoundingSphere, Material, Surface};
 use secateur_plant::{GrowOptions, Species, grow};
 use secateur_raster::{OpenEngine, View, ViewSet};
 use secateur_simplify::whole::WoodMode;
-use secateur_simplify::{Error, Options, Preset, Progress, Target};
+use secateur_simplify::{Effort, Error, Options, Preset, Progress, Target};
 
 use super::cards::CardSearch;
 use super::impostors::PlacedImpostor;
@@ -346,4 +346,33 @@ fn the_fewest_triangles_stand_where_nothing_is_seen_of_a_plant() {
             assert!(all.iter().all(|figure| figure.is_finite()), "{all:?}");
         }
     }
+}
+
+/// Little effort estimates how far large levels look from the plant, and says so; more effort has no estimates.
+#[test]
+fn little_effort_estimates_large_differences() {
+    let (tree, engine) = (oak(), engine());
+    let made_by = |effort: Effort| {
+        let mut options = options(&[20.0]);
+        options.leaves.effort = effort;
+        options.wanted = Wanted::Heights(vec![300.0]);
+        options.impostor = Some(Choice::None);
+        options.textures = Textures::Keep;
+        options.max_difference = 0.5;
+        chain(&tree, &options, &engine, &mut go_on).unwrap()
+    };
+    let is_said = |chain: &Chain| chain.notes.iter().any(|note| note.contains("estimates"));
+    assert!(!is_said(&made_by(Effort::Normal)));
+    let fast = made_by(Effort::Fast);
+    assert!(is_said(&fast));
+    let Shape::Mesh(lod) = &fast.levels[0].shape else {
+        panic!("a mesh was asked for");
+    };
+    let drawn = tree.items().drawn(Detail::Color).unwrap();
+    let is_wood: Vec<bool> = drawn.iter().map(|drawn| !drawn.is_foliage).collect();
+    let judge = DifferenceJudge::new(LevelSurfaces::of(drawn).surfaces, &is_wood);
+    let level = Drawn::of(&tree.items().lod_document(lod).unwrap()).unwrap();
+    let exact = judge.difference(&level.level.surfaces, 300.0, ViewCount::All);
+    let ratio = exact.difference / fast.levels[0].difference.difference;
+    assert!((0.8..1.25).contains(&ratio), "{ratio}");
 }

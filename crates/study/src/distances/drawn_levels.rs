@@ -199,7 +199,7 @@ impl<'a> Maker<'a> {
         set.drawn(level, case, difference)
     }
 
-    /// The coarsest level that is no more than so many times beyond the limits there; else the original.
+    /// The coarsest level that is at most `most_over` times the limits there; else the original.
     pub(super) fn coarsest(
         &self,
         set: &LevelSet,
