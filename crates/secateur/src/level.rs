@@ -293,7 +293,8 @@ impl Plant {
     }
 }
 
-/// A level of leaves and wood. Of a plant without leaves two ways are tried, of others as many as the effort has.
+/// A level of leaves and wood: of as many ways to share triangles as the effort and the plant have, the one that looks
+/// nearest.
 fn whole_level(
     tree: &WholeTree,
     mode: WoodMode,
@@ -309,50 +310,35 @@ fn whole_level(
     }
     let items = tree.items().foliage();
     let plant = WholePlant::within(items, leaves, wood, options, engine)?;
-    let level = plant.simplified(options, engine, observer);
-    match options.target {
-        Target::Triangles(amount) if leaves.leaves().is_empty() => {
-            let evenly = TriangleBudget {
-                triangles: amount.of(plant.triangle_count()),
-                sharing: Sharing::Evenly,
-            };
-            let other = plant.level(evenly, options, engine, None, observer)?;
-            let is_met = options.check_met(other.wood_triangles, plant.triangle_count());
-            match (level, is_met) {
-                (Ok(level), Ok(())) => nearer_of(tree, [level, other], LOOKED_AT_PX),
-                (Ok(level), Err(_)) => Ok(level),
-                (Err(SimplifyError::BudgetNotMet { .. }), Ok(())) => Ok(other),
-                (Err(error), _) => Err(error.into()),
-            }
+    let mut nearest = plant.simplified(options, engine, observer);
+    let Target::Triangles(amount) = options.target else {
+        return Ok(nearest?);
+    };
+    let triangles = amount.of(plant.triangle_count());
+    let mut shared = Shared::default();
+    let sharings = plant.sharings(options.effort.work().sharings_of_one);
+    for sharing in sharings.into_iter().filter(|it| *it != Sharing::ByNumber) {
+        let budget = TriangleBudget { triangles, sharing };
+        let other = plant.level(budget, options, engine, Some(&mut shared), observer)?;
+        let of_leaves = other.leaves.lod.foliage(leaves).triangles().len();
+        let left = of_leaves + other.wood_triangles;
+        if options.check_met(left, plant.triangle_count()).is_err() {
+            continue;
         }
-        Target::Triangles(amount) => {
-            let triangles = amount.of(plant.triangle_count());
-            let mut nearest = level?;
-            let mut shared = Shared::default();
-            for &sharing in options.effort.work().sharings_of_one.iter().skip(1) {
-                let budget = TriangleBudget { triangles, sharing };
-                let other = plant.level(budget, options, engine, Some(&mut shared), observer)?;
-                let of_leaves = other.leaves.lod.foliage(leaves).triangles().len();
-                let left = of_leaves + other.wood_triangles;
-                if options.check_met(left, plant.triangle_count()).is_ok() {
-                    nearest = nearer_of(tree, [nearest, other], CHOSEN_AT_PX)?;
-                }
-            }
-            Ok(nearest)
-        }
-        Target::Leaves(_) | Target::MaxErrorPercent(_) => Ok(level?),
+        nearest = match nearest {
+            Ok(nearest) => Ok(nearer_of(tree, [nearest, other])?),
+            Err(SimplifyError::BudgetNotMet { .. }) => Ok(other),
+            Err(error) => return Err(error.into()),
+        };
     }
+    Ok(nearest?)
 }
 
-/// Of two levels the one that looks nearer to the tree, so many pixels high.
-fn nearer_of(
-    tree: &WholeTree,
-    [first, second]: [WholeLevel; 2],
-    pixels_high: f64,
-) -> Result<WholeLevel, Error> {
+/// Of two levels the one that looks nearer to the tree.
+fn nearer_of(tree: &WholeTree, [first, second]: [WholeLevel; 2]) -> Result<WholeLevel, Error> {
     let over = |level: &WholeLevel| -> Result<f64, Error> {
         let lod = tree.joined(&level.leaves.lod, &level.wood);
-        Ok(difference_of(tree.items(), &lod, pixels_high)?.difference)
+        Ok(difference_of(tree.items(), &lod, CHOSEN_AT_PX)?.difference)
     };
     Ok(match over(&second)? < over(&first)? {
         true => second,

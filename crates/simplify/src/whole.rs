@@ -4,6 +4,7 @@ mod bare;
 mod budget;
 mod crowned;
 mod keeping_wood;
+mod solid_wood;
 mod wood_mode;
 
 use std::borrow::Cow;
@@ -22,7 +23,7 @@ use crate::fill::is_met;
 use crate::hanging_leaves::HeldBy;
 use crate::observe::seen_px;
 use crate::stage::Observer;
-use crate::wood::{Chosen, Parts, Wood, WoodBudget};
+use crate::wood::{Chosen, Parts, Wood, WoodBudget, crown_and_rest};
 use crate::{
     Error, Fitting, Options, Shared, Simplified, Target, Views, Warning, simplify_on,
     simplify_sharing, sphere_of,
@@ -95,6 +96,8 @@ pub struct WholePlant<'a> {
     leaves_px: f64,
     /// What a plant without leaves has for a crown.
     crowned: Option<Box<Crowned>>,
+    /// Whether solid pieces in the air are the larger part of the wood.
+    has_solid_crown: bool,
 }
 
 /// A level of a whole plant.
@@ -198,6 +201,7 @@ impl<'a> WholePlant<'a> {
         };
         Ok(Self {
             crowned,
+            has_solid_crown: crown_and_rest(&wood).is_some(),
             occluders: Arc::new(wood.clone().into_owned()),
             leaves_px: of_leaves.iter().sum(),
             levels: levels.with_leaves(&leaves, of_leaves),
@@ -302,6 +306,11 @@ impl<'a> WholePlant<'a> {
         }
         let mut own = Shared::default();
         let shared = shared.unwrap_or(&mut own);
+        if budget.sharing == Sharing::Evenly
+            && let Some(wood) = self.solid_wood_of(budget)
+        {
+            return self.beside_solid_wood(wood, budget, options, engine, shared, observer);
+        }
         let mut options = Options {
             occluders: Some(self.hiding(options)?),
             ..options.clone()

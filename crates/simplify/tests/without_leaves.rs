@@ -1,4 +1,4 @@
-//! Plants without leaves: all of them is wood.
+//! Plants without leaves: all of them is wood. And plants of which hardly anything else is.
 
 use std::f64::consts::{PI, TAU};
 use std::ops::ControlFlow;
@@ -141,6 +141,38 @@ fn low_poly_tree(trunk_radius: f64) -> Foliage {
     });
     wood.push_leaf(&trunk.collect::<Vec<_>>(), None).unwrap();
     wood
+}
+
+/// One leaf beside a solid crown changes nothing of how that gets coarser.
+#[test]
+fn a_solid_crown_beside_a_leaf_gets_coarser_as_without_one() {
+    let wood = low_poly_tree(0.2);
+    let mut leaves = Foliage::default();
+    let leaf = [2.0, 1.0, 0.0].map(|x| DVec3::new(x, 1.0, 1.5 * x * (2.0 - x)));
+    leaves
+        .push_leaf(&[LeafTriangle::plain(leaf)], None)
+        .unwrap();
+    let items = leaves.followed_by(&wood).unwrap();
+    let engine = OpenEngine::cpu();
+    let plant = WholePlant::new(&items, &leaves, &wood, &engine).unwrap();
+    assert_eq!(
+        plant.sharings(&[Sharing::ByNumber]),
+        [Sharing::Evenly, Sharing::ByNumber]
+    );
+    let options = Options::with_preset(Preset::Look, Target::triangle_share(1.0));
+    let budget = Budget {
+        triangles: 201,
+        sharing: Sharing::Evenly,
+    };
+    let mut go_on = |_| ControlFlow::Continue(());
+    let level = plant.level(budget, &options, &engine, None, &mut go_on);
+    let level = level.unwrap();
+    assert_eq!(level.leaves.lod.foliage(&leaves), leaves);
+    assert_eq!(level.wood, level_of(&wood, 200));
+    assert_eq!(
+        level.wood_triangles,
+        level.wood.foliage(&wood).triangles().len()
+    );
 }
 
 /// Six times what a closed surface holds.

@@ -37,9 +37,6 @@ const NEAR_FIRST: f64 = 0.85;
 /// The step that is tried first where nothing is known: a third of all triangles.
 const FIRST: usize = 51;
 
-/// How triangles of plants without leaves may be shared. The first is tried first.
-const BARE_SHARINGS: [Sharing; 2] = [Sharing::Evenly, Sharing::ByNumber];
-
 /// Other sharings are tried this many steps further on: of 2 % each, they come to 12 % fewer triangles.
 const BETTER_BY: usize = 6;
 
@@ -50,7 +47,7 @@ pub(super) struct Ladder<'a, 'm> {
     /// By step and place in `sharings`.
     made: BTreeMap<(usize, usize), Made>,
     /// How triangles may be shared.
-    sharings: &'static [Sharing],
+    sharings: Vec<Sharing>,
     work: Work,
     /// The place in `sharings` of how they are.
     sharing: usize,
@@ -70,10 +67,7 @@ impl<'a, 'm> Ladder<'a, 'm> {
             maker,
             client,
             made: BTreeMap::new(),
-            sharings: match maker.tree.leaves().leaves().is_empty() {
-                true => &BARE_SHARINGS,
-                false => work.sharings,
-            },
+            sharings: maker.sharings(work.sharings),
             sharing: 0,
             slope: USUAL_SLOPE,
             steps: (0..STEPS).take_while(has_more).count().max(1),
@@ -98,7 +92,7 @@ impl<'a, 'm> Ladder<'a, 'm> {
         (first, is_finest): (usize, bool),
         observer: &mut Observer<'_>,
     ) -> Result<Option<(usize, Placed)>, ChainError> {
-        if self.maker.tree.leaves().leaves().is_empty() {
+        if self.sharings[0] == Sharing::Evenly {
             // Which sharing looks best of a few large pieces changes from height to height.
             self.sharing = 0;
         }

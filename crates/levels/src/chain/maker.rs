@@ -9,7 +9,9 @@ use secateur_gltf::WholeTree;
 use secateur_gltf::chain::LevelTexture;
 use secateur_model::{Budget as MemoryBudget, Lod, Memory, NamedOption, Note};
 use secateur_raster::OpenEngine;
-use secateur_simplify::whole::{Budget, WholeLevel, WoodMode, simplify_keeping_wood_sharing};
+use secateur_simplify::whole::{
+    Budget, Sharing, WholeLevel, WoodMode, simplify_keeping_wood_sharing,
+};
 use secateur_simplify::{FinerLevel, Observer, Options, Shared, Target};
 
 use super::error::ChainError;
@@ -188,6 +190,14 @@ impl<'a> Maker<'a> {
             }
         };
         self.made(parts)
+    }
+
+    /// The ways to share triangles that are worth trying, where these are for plants of leaves and wood.
+    pub(super) fn sharings(&self, of_leaves_and_wood: &[Sharing]) -> Vec<Sharing> {
+        match &self.stands {
+            Some(stands) => stands.sharings(of_leaves_and_wood),
+            None => of_leaves_and_wood.to_vec(),
+        }
     }
 
     /// From now on levels have only what this one has; anything where there is none. For levels that are to be nested:

@@ -7,7 +7,7 @@ use secateur_eval::DifferenceJudge;
 use secateur_gltf::WholeTree;
 use secateur_model::{Foliage, LeafId, Lod};
 use secateur_raster::OpenEngine;
-use secateur_simplify::whole::{Budget, WholeLevel, WholePlant};
+use secateur_simplify::whole::{Budget, Sharing, WholeLevel, WholePlant};
 use secateur_simplify::{Error, FinerLevel, Observer, Options, Shared};
 
 /// A plant of a file.
@@ -112,6 +112,13 @@ impl<'a> Stands<'a> {
             levels.push(level);
         }
         Ok(levels)
+    }
+
+    /// [`WholePlant::sharings`] of the plant that has the most.
+    pub(super) fn sharings(&self, of_leaves_and_wood: &[Sharing]) -> Vec<Sharing> {
+        let all = self.stands.iter();
+        let sharings = all.map(|stand| stand.plant.sharings(of_leaves_and_wood));
+        sharings.max_by_key(Vec::len).unwrap_or_default()
     }
 
     /// From now on levels are nested in these of each plant; in none where there is nothing.
