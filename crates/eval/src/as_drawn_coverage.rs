@@ -119,7 +119,24 @@ mod tests {
     use super::*;
     use crate::AsDrawn;
     use crate::as_drawn::tests::{card_view, striped};
-    use secateur_model::Mips;
+    use secateur_model::{AlphaMode, Mips};
+    use std::sync::Arc;
+
+    /// Under mip maps stripes of a quarter are nowhere half there. Blended they are as many as they were.
+    #[test]
+    fn what_blends_does_not_fade() {
+        let views = card_view();
+        let shown = |alpha_mode| {
+            let mut card = [striped(Mips::Blended)];
+            Arc::make_mut(&mut card[0].material).alpha_mode = alpha_mode;
+            // Stripes and pixels do not fall into step.
+            let counted = AsDrawnCoverage::new(&card, &views, 23, &MipMaps::default());
+            counted.original_shown().coverage_over_truth
+        };
+        assert_eq!(shown(AlphaMode::Mask(0.5)), 0.0);
+        let blended = shown(AlphaMode::Blend);
+        assert!((0.8..1.2).contains(&blended), "{blended}");
+    }
 
     /// What is counted without light is what the pictures show.
     #[test]

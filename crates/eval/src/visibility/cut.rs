@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use glam::{Vec2, Vec4};
-use secateur_model::{Material, Surface};
+use secateur_model::{AlphaMode, Material, Surface};
 
 use super::{BLOCK, lanes_of, weighted};
 use crate::cut_mask::CutMask;
@@ -36,6 +36,14 @@ impl<'a> Cut<'a> {
     pub(crate) fn of(triangle: &ScreenTriangle, surface: &'a Surface, alpha: Alpha<'a>) -> Self {
         let corners = surface.triangles[triangle.face.triangle as usize].map(|c| c as usize);
         let material = &*surface.material;
+        // The mean of what blends is as much as there is of it, which is found without mip maps, too.
+        let alpha = match material.alpha_mode {
+            AlphaMode::Blend => Alpha {
+                mips: None,
+                ..alpha
+            },
+            AlphaMode::Opaque | AlphaMode::Mask(_) => alpha,
+        };
         Self(
             alpha_cutoff(material).map(|cutoff| CutFace {
                 material,
