@@ -8,7 +8,7 @@ use super::error::Fault;
 use super::material::MaterialLook;
 use super::name_evidence::{self, NameSays, TellingWord};
 use super::picture::{Decoded, Pictures};
-use super::shape_evidence::{self, Pieces};
+use super::shape_evidence::{self, MANY, Pieces};
 use super::survey::Group;
 
 /// A primitive with this many points or more is foliage.
@@ -86,13 +86,15 @@ pub(crate) fn gather(
             counted.iter_mut().for_each(Vec::clear);
         }
         let mut words = telling_words(names);
-        for (found, of_texture) in words.iter_mut().zip(&of_textures) {
-            let is_of_branches = found
-                .as_ref()
-                .is_some_and(|(word, _)| word.is_of_branches());
-            if of_texture.is_cut_out && is_of_branches {
-                *found = None;
-            }
+        for ((found, of_texture), group) in words.iter_mut().zip(&of_textures).zip(groups) {
+            let tells = |(word, _): &(TellingWord, String)| match word {
+                word if word.is_of_branches() => !of_texture.is_cut_out,
+                word if word.is_of_grass() => {
+                    group.geometry.pieces().len() * group.placements >= MANY
+                }
+                _ => true,
+            };
+            *found = found.take().filter(tells);
         }
         add_names(&mut all, &mut counted, (what, *points), &words);
     }
@@ -253,7 +255,6 @@ fn add_color(reasons: &mut Vec<Reason>, [red, green, blue]: [f64; 3]) {
 
 /// Adds what the pieces say; returns whether they look like leaves and wood in one.
 fn add_pieces(reasons: &mut Vec<Reason>, group: &Group, is_cut_out: bool) -> bool {
-    const ENOUGH: usize = 16;
     const MOST: f64 = 0.8;
     const FEW: f64 = 0.3;
     const ALIKE: f64 = 0.5;
@@ -284,7 +285,7 @@ fn add_pieces(reasons: &mut Vec<Reason>, group: &Group, is_cut_out: bool) -> boo
     } else {
         "of its pieces"
     };
-    let many = leaf_like * group.placements >= ENOUGH;
+    let many = leaf_like * group.placements >= MANY;
     if many && leaf_like_share >= MOST {
         let points = if alike_share >= ALIKE { 4.0 } else { 2.0 };
         let text = if count == 1 {

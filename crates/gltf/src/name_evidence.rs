@@ -1,7 +1,7 @@
 //! What a name says: leaf, wood, or nothing.
 
 /// Parts of words that speak of leaves, in the languages of common exporters.
-const LEAF_PARTS: [&str; 20] = [
+const LEAF_PARTS: [&str; 21] = [
     "blaett",
     "blatt",
     "blossom",
@@ -12,6 +12,7 @@ const LEAF_PARTS: [&str; 20] = [
     "foliage",
     "folha",
     "frond",
+    GRASS,
     "hoja",
     "laub",
     "leaf",
@@ -23,6 +24,9 @@ const LEAF_PARTS: [&str; 20] = [
     "листв",
     "葉",
 ];
+
+/// What many blades may be called, and the ground that they grow on.
+const GRASS: &str = "grass";
 
 /// Parts of words that speak of wood.
 const WOOD_PARTS: [&str; 15] = [
@@ -54,6 +58,11 @@ impl TellingWord {
     /// Whether it speaks of branches, which cut-out cards show with their leaves.
     pub(crate) fn is_of_branches(&self) -> bool {
         BRANCH_WORDS.contains(&self.word)
+    }
+
+    /// Whether it speaks of grass, which may be a lawn in one piece.
+    pub(crate) fn is_of_grass(&self) -> bool {
+        self.word == GRASS
     }
 }
 
@@ -87,6 +96,7 @@ mod tests {
             ("Leaves_NormalTree", Some(NameSays::Leaf)),
             ("eiche_Blätter.001", Some(NameSays::Leaf)),
             ("pineNeedles", Some(NameSays::Leaf)),
+            ("Mf_Grass.003", Some(NameSays::Leaf)),
             ("Bark_NormalTree", Some(NameSays::Wood)),
             ("dicker_Ast", Some(NameSays::Wood)),
             ("Plastic", None),

@@ -4,6 +4,9 @@ use glam::DVec3;
 
 use super::leaves::Leaves;
 
+/// Pieces that are leaves are at least so many.
+pub(crate) const MANY: usize = 16;
+
 /// Pieces with more triangles than this are no single leaves.
 const MOST_TRIANGLES: usize = 64;
 
@@ -32,16 +35,14 @@ impl Pieces {
     /// Whether they look like the leaves and the wood of a plant in one, `placements` times: many leaves,
     /// a tenth of the triangles or more, beside stems of as many.
     pub(crate) fn are_leaves_and_wood(&self, placements: usize) -> bool {
-        const ENOUGH: usize = 16;
         const LEAST_SHARE: f64 = 0.1;
-        self.leaf_like * placements >= ENOUGH
+        self.leaf_like * placements >= MANY
             && self.leaf_like_share.min(self.stem_like_share) >= LEAST_SHARE
     }
 
     /// Whether they are a few large round ones, placed `placements` times, as crowns are that are modelled as a solid:
     /// no leaves, whatever their name.
     pub(crate) fn are_lumps(&self, placements: usize) -> bool {
-        const MANY: usize = 16;
         const MOST: f64 = 0.95;
         self.count * placements < MANY && self.stem_like_share >= MOST
     }

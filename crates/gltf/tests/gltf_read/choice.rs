@@ -130,6 +130,17 @@ fn of_names(tree: &SmallTree, primitive: usize) -> Vec<(f64, String)> {
         .collect()
 }
 
+/// Grass is many blades, or a lawn in one piece that is called after them.
+#[test]
+fn grass_is_leaves_where_it_has_many_pieces() {
+    let called = |names: Value| quads_and_box().set("/materials", names);
+    let blades = called(json!([{"name": "Grass_01"}, {}]));
+    let text = "material name `Grass_01` speaks of leaves";
+    assert_eq!(of_names(&blades, 0), [(4.0, text.to_owned())]);
+    let lawn = called(json!([{}, {"name": "grass"}]));
+    assert!(of_names(&lawn, 1).is_empty());
+}
+
 #[test]
 fn a_word_that_is_copied_counts_once() {
     // Two meshes: else the mesh's name is that of all.

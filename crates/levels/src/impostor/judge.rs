@@ -12,14 +12,14 @@ use super::Impostor;
 use super::crossed::Planes;
 use secateur_runtime::Screen;
 
-/// The least and the largest side of a judging picture, in pixels.
+/// The least and the largest side of a judging picture, in pixels. What the screen shows larger is judged in pictures of
+/// that size, in which single leaves hardly count.
 const PICTURE_PX: [f64; 2] = [48.0, 256.0];
 
 /// Views from one distance.
 pub struct Judge {
     views: ViewSet,
-    /// Pixels a side of a picture as large as the screen shows it, or as high as the screen.
-    whole_px: f64,
+    /// Pixels a side of a picture.
     side: u32,
     obstacles: Vec<Arc<Surface>>,
     /// By what FLIP over a picture is multiplied to be that over the frame of `measure`.
@@ -51,24 +51,13 @@ impl Judge {
         };
         let share = plant_height / (2.0 * distance * tangent);
         let whole_px = pixels_high.min(screen.height_px) / share;
-        let judge = Self {
+        let [least, most] = PICTURE_PX;
+        Self {
             views: ViewSet::new(directions.views().iter().map(from_afar).collect()),
-            whole_px,
-            side: 0,
+            side: whole_px.clamp(least, most).round() as u32,
             obstacles: Vec::new(),
             frame_share: share_of_tight_frame(sphere, sphere),
-        };
-        judge.in_pictures_of_at_most(PICTURE_PX[1])
-    }
-
-    /// This judge with pictures of at most `most_px` pixels a side, by default 256. What the screen
-    /// shows larger is judged in pictures of that size, in which single leaves hardly count.
-    pub fn in_pictures_of_at_most(mut self, most_px: f64) -> Self {
-        let side = self
-            .whole_px
-            .clamp(PICTURE_PX[0], most_px.max(PICTURE_PX[0]));
-        self.side = side.round() as u32;
-        self
+        }
     }
 
     /// This judge, with these drawn wherever a plant or an impostor is.
@@ -110,15 +99,10 @@ impl Judge {
         Pictures::of_seen(seen, &self.views, self.side)
     }
 
-    /// FLIP of pictures against others, of each view, over the frame of `measure`.
-    pub fn flips(&self, a: &Pictures, b: &Pictures) -> Vec<f64> {
-        let flips = a.flips(b).into_iter();
-        flips.map(|flip| flip * self.frame_share).collect()
-    }
-
-    /// The mean of [`Self::flips`].
+    /// FLIP of pictures against others over the frame of `measure`: the mean of all views.
     pub fn flip(&self, a: &Pictures, b: &Pictures) -> f64 {
-        let flips = self.flips(a, b);
+        let flips = a.flips(b).into_iter();
+        let flips: Vec<f64> = flips.map(|flip| flip * self.frame_share).collect();
         flips.iter().sum::<f64>() / flips.len() as f64
     }
 }
