@@ -87,12 +87,11 @@ pub(crate) fn gather(
         }
         let mut words = telling_words(names);
         for ((found, of_texture), group) in words.iter_mut().zip(&of_textures).zip(groups) {
-            let tells = |(word, _): &(TellingWord, String)| match word {
-                word if word.is_of_branches() => !of_texture.is_cut_out,
-                word if word.is_of_grass() => {
-                    group.geometry.pieces().len() * group.placements >= MANY
-                }
-                _ => true,
+            let tells = |(word, _): &(TellingWord, String)| {
+                let has_leaves_on_it = of_texture.is_cut_out && word.is_of_branches();
+                let pieces = group.geometry.pieces().len() * group.placements;
+                let may_be_lawn = word.is_of_grass() && pieces < MANY;
+                !has_leaves_on_it && !may_be_lawn
             };
             *found = found.take().filter(tells);
         }

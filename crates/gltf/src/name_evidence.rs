@@ -25,7 +25,7 @@ const LEAF_PARTS: [&str; 21] = [
     "葉",
 ];
 
-/// What many blades may be called, and the ground that they grow on.
+/// Names blades of grass, and as often the lawn that they grow on.
 const GRASS: &str = "grass";
 
 /// Parts of words that speak of wood.
@@ -60,7 +60,7 @@ impl TellingWord {
         BRANCH_WORDS.contains(&self.word)
     }
 
-    /// Whether it speaks of grass, which may be a lawn in one piece.
+    /// Whether it speaks of grass: blades, or a lawn in one piece.
     pub(crate) fn is_of_grass(&self) -> bool {
         self.word == GRASS
     }

@@ -112,9 +112,9 @@ impl Enlargement {
 /// How much a level may differ.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Limits {
-    /// The largest [`Difference::difference`].
+    /// The most that a level may have of [`Difference::difference`], 0 to 1.75; .28 by default.
     pub difference: f64,
-    /// The largest [`Difference::block_coverage`].
+    /// The most that a level may have of [`Difference::block_coverage`], 0 or more; .20 by default.
     pub block_coverage: f64,
 }
 

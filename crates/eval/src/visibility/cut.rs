@@ -36,7 +36,7 @@ impl<'a> Cut<'a> {
     pub(crate) fn of(triangle: &ScreenTriangle, surface: &'a Surface, alpha: Alpha<'a>) -> Self {
         let corners = surface.triangles[triangle.face.triangle as usize].map(|c| c as usize);
         let material = &*surface.material;
-        // The mean of what blends is as much as there is of it, which is found without mip maps, too.
+        // A client that blends shows the mean alpha of its mip maps: as much as there is without them.
         let alpha = match material.alpha_mode {
             AlphaMode::Blend => Alpha {
                 mips: None,

@@ -130,7 +130,7 @@ fn of_names(tree: &SmallTree, primitive: usize) -> Vec<(f64, String)> {
         .collect()
 }
 
-/// Grass is many blades, or a lawn in one piece that is called after them.
+/// A material called grass is of blades where there are many pieces. One piece is a lawn, and its name says nothing.
 #[test]
 fn grass_is_leaves_where_it_has_many_pieces() {
     let called = |names: Value| quads_and_box().set("/materials", names);

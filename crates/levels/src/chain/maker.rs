@@ -192,9 +192,11 @@ impl<'a> Maker<'a> {
         self.made(parts)
     }
 
-    /// The ways to share triangles that are worth trying, where these are for plants of leaves and wood.
+    /// The ways to share triangles that are worth trying, where these are for plants of leaves and wood. Levels that are
+    /// nested have no others: even collapses know nothing of what is gone.
     pub(super) fn sharings(&self, of_leaves_and_wood: &[Sharing]) -> Vec<Sharing> {
-        match &self.stands {
+        let is_nested = self.options.morph && !self.tree.leaves().leaves().is_empty();
+        match self.stands.as_ref().filter(|_| !is_nested) {
             Some(stands) => stands.sharings(of_leaves_and_wood),
             None => of_leaves_and_wood.to_vec(),
         }

@@ -19,8 +19,8 @@ pub enum Sharing {
     /// What another triangle of leaves saves, as a share of what the views show of leaves for each triangle of the
     /// budget, 0 or more: the first triangles save more than the last. Wood gets the triangles that save more each.
     LeafMargin(f64),
-    /// All surface of a plant without leaves, or of wood with a solid crown, is off by as much, thin pieces by less, and
-    /// vertices move; else as [`Self::ByNumber`].
+    /// For plants without leaves, and wood with a solid crown: collapses over all pieces put every surface off by about
+    /// the same distance, thin pieces by less, and move vertices. Other plants as [`Self::ByNumber`].
     Evenly,
 }
 

@@ -9,8 +9,8 @@ use crate::stage::Observer;
 use crate::{Error, Options, Shared, Target, simplify_sharing};
 
 impl WholePlant<'_> {
-    /// The ways to share triangles that are worth trying on this plant, where these are for plants of leaves and wood:
-    /// those of wood that is solid first.
+    /// How triangles may be shared on this plant; the first is to be tried first. `of_leaves_and_wood` are the ways of an
+    /// effort for plants of leaves and wood. Without leaves there are two others, and a solid crown adds one.
     pub fn sharings(&self, of_leaves_and_wood: &[Sharing]) -> Vec<Sharing> {
         if self.leaves.leaves().is_empty() {
             return vec![Sharing::Evenly, Sharing::ByNumber];
@@ -22,8 +22,8 @@ impl WholePlant<'_> {
         [first, of_leaves_and_wood].concat()
     }
 
-    /// Solid wood, off by as much everywhere, with the triangles that wood has in a plant of a budget; none where the
-    /// wood has no solid crown, or is not brought there.
+    /// The wood after collapses over all of its pieces, with at most the triangles that a budget leaves for wood. None
+    /// where the wood has no solid crown, or collapses do not get there.
     pub(super) fn solid_wood_of(&self, budget: Budget) -> Option<Lod> {
         let most = || self.wood_budget_bearing(&[], budget);
         let wood = self.has_solid_crown.then(most);

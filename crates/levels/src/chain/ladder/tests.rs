@@ -141,3 +141,50 @@ fn a_step_has_two_per_cent_fewer_triangles() {
         [1_000_000, 500_000, 977]
     );
 }
+
+/// A grown tree of one leaf with a ball for a crown.
+fn ball_and_leaf() -> WholeTree {
+    const RINGS: u32 = 16;
+    let oak = grow(Species::Oak, &GrowOptions { leaves: 1, seed: 1 }).unwrap();
+    let high = |surface: &Surface| surface.positions.iter().map(|at| at.y).fold(0.0, f64::max);
+    let top = high(&oak.wood);
+    let mut ball = Surface::empty(Arc::clone(&oak.wood.material));
+    for ring in 0..=RINGS {
+        for side in 0..RINGS {
+            let turn = TAU * f64::from(side) / f64::from(RINGS);
+            let (out, up) = (0.5 * TAU * f64::from(ring) / f64::from(RINGS)).sin_cos();
+            let on_ball = DVec3::new(out * turn.cos(), up, out * turn.sin());
+            ball.positions.push(top * (DVec3::Y + 0.5 * on_ball));
+        }
+    }
+    for (ring, side) in (0..RINGS).flat_map(|ring| (0..RINGS).map(move |side| (ring, side))) {
+        let corner = |ring: u32, side: u32| ring * RINGS + side % RINGS;
+        let [a, b] = [side, side + 1].map(|side| corner(ring, side));
+        let [c, d] = [side, side + 1].map(|side| corner(ring + 1, side));
+        ball.triangles.extend([[a, b, c], [b, d, c]]);
+    }
+    let leaves = format!("material:{}", oak.leaves.material.name);
+    let all = [(ball, false), (oak.wood, false), (oak.leaves, true)];
+    let document = Document::from_bytes("tree.glb", surfaces_to_glb("tree", &all), None).unwrap();
+    document
+        .into_whole_tree(&[leaves.parse().unwrap()])
+        .unwrap()
+}
+
+/// Even collapses bring back what a finer level has lost, so levels that are nested are made without them.
+#[test]
+fn a_solid_crown_is_collapsed_evenly_unless_levels_are_nested() {
+    let (tree, engine) = (ball_and_leaf(), OpenEngine::cpu());
+    assert_eq!(tree.leaves().leaves().len(), 1);
+    let sharings = |morph: bool| {
+        let options = ChainOptions {
+            morph,
+            ..options(&[20.0])
+        };
+        let maker = Maker::new(&tree, &options, &engine).unwrap();
+        Ladder::new(&maker, &maker.client()).sharings
+    };
+    let usual = secateur_simplify::Effort::Normal.work().sharings.to_vec();
+    assert_eq!(sharings(false), [&[Sharing::Evenly], &usual[..]].concat());
+    assert_eq!(sharings(true), usual);
+}
