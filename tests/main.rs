@@ -7,6 +7,7 @@ mod baselines;
 mod batch;
 #[path = "browser/browser.rs"]
 mod browser;
+mod charts;
 #[allow(unreachable_pub, reason = "other crates include this file too")]
 #[path = "clients/clients.rs"]
 mod clients;

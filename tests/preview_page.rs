@@ -265,6 +265,42 @@ fn levels_are_chosen_by_hand_and_by_distance() {
     check_manners(&mut tab);
 }
 
+/// Where a label stands the canvas shows nothing but its background.
+fn labels_lie_on_no_tree(device: Device) {
+    let Some((mut tab, _folder)) = opened(device) else {
+        return;
+    };
+    for is_true_size in ["false", "true"] {
+        tab.ask(&format!(
+            "preview.state.isTrueSize = {is_true_size}; preview.draw()"
+        ));
+        parts(&mut tab);
+        for label in [
+            "#name-original",
+            "#name-level",
+            "#inset-original p",
+            "#inset-level p",
+        ] {
+            tab.ask(&format!(
+                "document.querySelector('{label}').style.opacity = 0"
+            ));
+            let picture = tab.picture();
+            let bare = tab.part(&picture, label);
+            assert_eq!(drawn(&bare), 0.0, "{label} at true size: {is_true_size}");
+        }
+    }
+}
+
+#[test]
+fn labels_lie_on_no_tree_on_a_desktop() {
+    labels_lie_on_no_tree(DESKTOP);
+}
+
+#[test]
+fn labels_lie_on_no_tree_on_a_phone() {
+    labels_lie_on_no_tree(PHONE);
+}
+
 /// At true size the tree is as many pixels high as the page says.
 #[test]
 fn true_size_is_true() {

@@ -15,14 +15,15 @@ const BLOCK: u32 = 8;
 /// Colours that differ by no more than this in the mean, of 255, stay as they are.
 const HARDLY: f64 = 4.0;
 
-/// A base colour texture in whose clear texels colours were spread.
+/// A base colour texture in which colours were spread: into clear texels, or beside charts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Dilated {
     /// The number of the material that shows it.
     pub material: usize,
     /// Its texels; alpha and sampler are as they were.
     pub texture: Arc<Texture>,
-    /// By how much mip maps of an eighth of the size differ by it, in the mean over what they show, of 255.
+    /// By how much what is seen differs by it, of 255: mip maps of an eighth of the size in the mean over what they show,
+    /// or what a level shows beside charts.
     pub difference: f64,
 }
 
@@ -80,7 +81,7 @@ fn dilated(texture: &Texture, cutoff: f32) -> Texture {
 }
 
 /// Fills texels whose fourth byte is 0 from an image of half the size; nothing where all are so.
-fn fill(colors: &mut [[u8; 4]], [width, height]: [usize; 2]) {
+pub(crate) fn fill(colors: &mut [[u8; 4]], [width, height]: [usize; 2]) {
     if colors.iter().all(|color| color[3] > 0) || (width <= 1 && height <= 1) {
         return;
     }

@@ -3,11 +3,11 @@
 use std::ops::Deref;
 use std::path::Path;
 
-use secateur_eval::{Difference, ViewCount};
+use secateur_eval::{Difference, DifferenceJudge, ViewCount};
 use secateur_gltf::{
-    Cutoffs, Detail, GltfError, PreparedLod, Tree, WholeTree, WriteOptions, Written,
+    Cutoffs, Detail, DrawnSurface, GltfError, PreparedLod, Tree, WholeTree, WriteOptions, Written,
 };
-use secateur_levels::chain::{LevelKind, LevelReport};
+use secateur_levels::chain::{LevelKind, LevelReport, filled_charts};
 use secateur_levels::{ChosenCutoffs, Dilated, choose_cutoffs, dilated_textures, material_changes};
 use secateur_model::{Budget, Foliage, Lod, Memory, Surface};
 use secateur_raster::OpenEngine;
@@ -23,7 +23,6 @@ use web_time::Instant;
 
 use crate::Error;
 use crate::Session;
-use crate::judged::difference_judge;
 use crate::level_options::{ColorChoice, LevelOptions};
 use crate::level_warning::LevelWarning;
 use crate::opened_plant::{Parts, Plant};
@@ -54,7 +53,7 @@ pub struct LevelParts {
     pub wood_triangles: u64,
     /// Other alpha cutoffs, if any were chosen.
     pub cutoffs: Option<ChosenCutoffs>,
-    /// Leaf textures with other colours where they are clear.
+    /// Textures with other colours where leaves are clear, and beside the charts of wood.
     pub colors: Vec<Dilated>,
     /// How far it looks from the plant 128 pixels high, if that is known.
     pub difference: Option<Difference>,
@@ -205,8 +204,12 @@ impl Plant {
         parts.timed("colors", observer, |parts| {
             parts.choose_colors(tree, options);
         })?;
-        if options.judged {
-            parts.timed("difference", observer, |parts| parts.look(tree))?;
+        let has_other_wood = !matches!(self.wood_mode(), WoodMode::Keep | WoodMode::Ignore);
+        let fills = has_other_wood && options.colors != ColorChoice::Keep;
+        if options.judged || fills {
+            parts.timed("difference", observer, |parts| {
+                parts.look(tree, options.judged, fills);
+            })?;
         }
         Ok(Level {
             plant: self.clone(),
@@ -338,7 +341,8 @@ fn whole_level(
 fn nearer_of(tree: &WholeTree, [first, second]: [WholeLevel; 2]) -> Result<WholeLevel, Error> {
     let over = |level: &WholeLevel| -> Result<f64, Error> {
         let lod = tree.joined(&level.leaves.lod, &level.wood);
-        Ok(difference_of(tree.items(), &lod, CHOSEN_AT_PX)?.difference)
+        let [plant, level] = drawn(tree.items(), &lod)?;
+        Ok(difference_of(plant, level, CHOSEN_AT_PX).difference)
     };
     Ok(match over(&second)? < over(&first)? {
         true => second,
@@ -438,26 +442,47 @@ impl LevelParts {
         }
     }
 
-    /// Looks whether the level is the plant still.
-    fn look(&mut self, tree: &Tree) {
-        match difference_of(tree, &self.lod, LOOKED_AT_PX) {
-            Ok(difference) => {
-                let warning = LevelWarning::of_difference(difference.difference);
-                self.warnings.extend(warning);
-                self.difference = Some(difference);
-            }
+    /// Looks at the level: whether it is the plant still, where that is asked for, and, where its wood is another, what it
+    /// shows beside the charts of opaque textures, which get the colours of these.
+    fn look(&mut self, tree: &Tree, judged: bool, fills: bool) {
+        let [plant, level] = match drawn(tree, &self.lod) {
+            Ok(drawn) => drawn,
             Err(error) => {
                 let why = LevelWarning::LookUnknown(error.to_string());
                 self.warnings.push(why);
+                return;
             }
+        };
+        if fills {
+            let filled = filled_charts(tree.document(), &plant, &level);
+            self.colors.extend(filled);
+        }
+        if judged {
+            let difference = difference_of(plant, level, LOOKED_AT_PX);
+            let warning = LevelWarning::of_difference(difference.difference);
+            self.warnings.extend(warning);
+            self.difference = Some(difference);
         }
     }
 }
 
-/// How far a level looks from its tree, so many pixels high.
-fn difference_of(tree: &Tree, lod: &Lod, pixels_high: f64) -> Result<Difference, Error> {
+/// A tree and a level of it, as they are drawn.
+fn drawn(tree: &Tree, lod: &Lod) -> Result<[Vec<DrawnSurface>; 2], GltfError> {
     let level = tree.lod_document(lod)?.drawn_as_one(Detail::Color)?;
-    let level: Vec<Surface> = level.into_iter().map(|drawn| drawn.surface).collect();
-    let judge = difference_judge(tree)?;
-    Ok(judge.difference(&level, pixels_high, ViewCount::Search))
+    Ok([tree.drawn(Detail::Color)?, level])
+}
+
+/// How far a level looks from its plant, so many pixels high.
+fn difference_of(
+    plant: Vec<DrawnSurface>,
+    level: Vec<DrawnSurface>,
+    pixels_high: f64,
+) -> Difference {
+    let is_wood: Vec<bool> = plant.iter().map(|drawn| !drawn.is_foliage).collect();
+    let [plant, level] = [plant, level].map(|drawn| {
+        let surfaces = drawn.into_iter().map(|drawn| drawn.surface);
+        surfaces.collect::<Vec<Surface>>()
+    });
+    let judge = DifferenceJudge::new(plant, &is_wood);
+    judge.difference(&level, pixels_high, ViewCount::Search)
 }

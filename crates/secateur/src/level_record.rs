@@ -71,13 +71,14 @@ pub struct LevelRecord {
     pub audit: Option<&'static str>,
 }
 
-/// A texture with other colours in its clear texels.
+/// A texture with other colours in its clear texels, or beside its charts.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 pub struct ColorRecord {
     /// The number of the material that shows it.
     pub material: usize,
-    /// By how much mip maps of an eighth of the size differ by it, in the mean over what they show, of 255.
+    /// By how much what is seen differs by it, of 255: mip maps of an eighth of the size in the mean over what they show,
+    /// or what the level shows beside charts.
     pub difference: f64,
 }
 

@@ -11,7 +11,8 @@ use secateur_eval::{
     AsDrawn, AsDrawnMeasurement, Camera, DifferenceJudge, JudgingViews, Original, RenderOptions,
     ViewCount, framing, render,
 };
-use secateur_gltf::{Cutoffs, Document, Tree};
+use secateur_gltf::{Cutoffs, Detail, Document, Tree};
+use secateur_levels::chain::filled_charts;
 use secateur_levels::{ChosenCutoffs, choose_cutoffs, dilated_textures, material_changes};
 use secateur_model::{Foliage, Lod, Surface};
 use secateur_simplify::sphere_of;
@@ -248,17 +249,23 @@ pub(crate) fn in_folder(command: &str, folder: &Path) -> String {
     })
 }
 
-/// What was chosen for materials of a level, joined with the colours of leaves in clear texels of their textures,
+/// What was chosen for materials of a level, joined with the colours of what is near in clear texels and beside charts,
 /// as `simplify` does.
 pub(crate) fn with_material_changes(
     tree: &Tree,
     lod: &Lod,
     chosen: Option<ChosenCutoffs>,
 ) -> Result<Cutoffs, Error> {
-    let dilated = match *lod == Lod::original(tree.foliage().leaves().len()) {
-        true => Vec::new(),
-        false => dilated_textures(tree)?,
-    };
+    if *lod == Lod::original(tree.foliage().leaves().len()) {
+        return Ok(material_changes(chosen.as_ref(), &[]));
+    }
+    let level = tree.lod_document(lod)?.drawn_as_one(Detail::Color)?;
+    let mut dilated = dilated_textures(tree)?;
+    dilated.extend(filled_charts(
+        tree.document(),
+        &tree.drawn(Detail::Color)?,
+        &level,
+    ));
     Ok(material_changes(chosen.as_ref(), &dilated))
 }
 

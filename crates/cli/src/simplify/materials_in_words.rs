@@ -24,7 +24,7 @@ pub(crate) fn cutoffs(chosen: &CutoffsRecord) -> String {
     )
 }
 
-/// What was done to colours of clear texels.
+/// What was done to colours of clear texels, and of those beside charts.
 pub(crate) fn colors(chosen: &[ColorRecord]) -> String {
     let most = chosen.iter().map(|one| one.difference).fold(0.0, f64::max);
     let textures = match chosen.len() {
@@ -32,6 +32,6 @@ pub(crate) fn colors(chosen: &[ColorRecord]) -> String {
         count => format!("the textures of {count} materials have"),
     };
     format!(
-        "{textures} the colours of leaves in clear texels; others, mixed in by mip maps, moved them by {most:.0} of 255"
+        "{textures} the colours of what is near where nothing of the plant is; others were seen there, or mixed in by mip maps, and off by {most:.0} of 255"
     )
 }

@@ -113,10 +113,16 @@ impl Cutoffs {
     pub(super) fn apply(&self, draft: &mut Draft, tree: &Tree) {
         texels::replace(draft, &self.texels);
         for material in self.materials_with_texels() {
+            let change = match masked(draft, material) {
+                Some(_) => {
+                    "clear texels of its texture have other colours, or an alpha below the cutoff, so that mip maps show leaves as they are"
+                }
+                None => {
+                    "its texture has the colours of what is near where the plant shows nothing of it, so that a coarser mesh shows no slits"
+                }
+            };
             let place = tree.document.place("materials", material);
-            draft.notes.push(format!(
-                "{place}: clear texels of its texture have other colours, or an alpha below the cutoff, so that mip maps show leaves as they are"
-            ));
+            draft.notes.push(format!("{place}: {change}"));
         }
         for material in self.materials_without_mips() {
             if masked(draft, material).is_none() {

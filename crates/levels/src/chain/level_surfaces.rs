@@ -28,6 +28,11 @@ impl LevelSurfaces {
         self.materials.iter().collect::<BTreeSet<_>>().len()
     }
 
+    /// The surfaces, each with the number of its material.
+    pub(super) fn with_materials(&self) -> impl Iterator<Item = (&Surface, Option<usize>)> {
+        self.surfaces.iter().zip(self.materials.iter().copied())
+    }
+
     /// The surfaces of each material, by its number; those without one are left out.
     pub(super) fn by_material(&self) -> BTreeMap<usize, Vec<&Surface>> {
         let mut all: BTreeMap<usize, Vec<&Surface>> = BTreeMap::new();

@@ -14,6 +14,7 @@ use secateur_simplify::whole::{
 };
 use secateur_simplify::{FinerLevel, Observer, Options, Shared, Target};
 
+use super::charts::Charts;
 use super::error::ChainError;
 use super::level::{ChainLevel, Shape};
 use super::level_choice::in_pixels;
@@ -28,7 +29,7 @@ use super::stage_clock::{ChainStage, StageClock};
 use super::stands::Stands;
 use super::texture_bytes::texture_bytes;
 use super::textures::{Client, Textures};
-use crate::dilated_textures;
+use crate::{Dilated, dilated_textures};
 
 /// Heights of plants that are taken for metres without a remark.
 const USUAL_HEIGHTS_M: RangeInclusive<f64> = 0.2..=60.0;
@@ -42,6 +43,8 @@ pub(super) struct Made {
     pub(super) lod: Lod,
     pub(super) drawn: Drawn,
     pub(super) foliage_triangles: usize,
+    /// Textures that it shows where no others are chosen: with other colours beside their charts.
+    pub(super) filled: Vec<LevelTexture>,
 }
 
 impl Made {
@@ -68,6 +71,8 @@ pub(super) struct Maker<'a> {
     pub(super) look: Look,
     /// Textures of the tree in whose place levels show the same with the colours of leaves in clear texels.
     dilated: Vec<LevelTexture>,
+    /// What the plant shows of opaque textures.
+    charts: Charts,
     /// Images beside base colours, as small as levels need them.
     pub(super) smaller_images: SmallerImages,
     /// The leaves, drawn in the held-out views.
@@ -108,13 +113,13 @@ impl<'a> Maker<'a> {
             Textures::Fit => dilated_textures(items)?,
             Textures::Keep => Vec::new(),
         };
-        let dilated = dilated.into_iter().map(|one| LevelTexture {
-            image: None,
-            material: one.material,
-            texture: one.texture,
-            keeps_sampler: true,
-        });
+        let dilated = dilated.into_iter().map(own_texture);
+        let charts = match options.textures {
+            Textures::Fit => Charts::of(items.document(), look.original.with_materials()),
+            Textures::Keep => Charts::default(),
+        };
         Ok(Self {
+            charts,
             dilated: dilated.collect(),
             smaller_images: SmallerImages::default(),
             all: leaves.triangles().len() + wood.triangles().len(),
@@ -225,9 +230,14 @@ impl<'a> Maker<'a> {
         let lod = self.tree.joined(&leaves, &wood);
         let document = self.tree.items().lod_document(&lod)?;
         let left = leaves.foliage(self.tree.leaves());
+        let mut drawn = Drawn::of(&document)?;
+        let filled = self.charts.filled_for(drawn.level.with_materials());
+        let filled: Vec<LevelTexture> = filled.into_iter().map(own_texture).collect();
+        drawn.level.surfaces = retextured(&drawn.level, &filled);
         Ok(Made {
             foliage_triangles: left.triangles().len(),
-            drawn: Drawn::of(&document)?,
+            drawn,
+            filled,
             parts,
             leaves,
             lod,
@@ -416,6 +426,16 @@ impl<'a> Maker<'a> {
             morph: None,
             shape: Shape::Original(Lod::original(items.foliage().leaves().len())),
         }
+    }
+}
+
+/// A texture in which colours were spread, as that of a level.
+fn own_texture(spread: Dilated) -> LevelTexture {
+    LevelTexture {
+        image: None,
+        material: spread.material,
+        texture: spread.texture,
+        keeps_sampler: true,
     }
 }
 

@@ -3,6 +3,7 @@
 mod blend;
 mod card_cutoffs;
 mod cards;
+mod charts;
 mod cost;
 mod error;
 #[cfg(test)]
@@ -48,6 +49,7 @@ use secateur_simplify::{Observer, Progress, sphere_of};
 use crate::morph::morph;
 pub use blend::BlendBand;
 use cards::CardSearch;
+pub use charts::filled_charts;
 pub use cost::{CostWeights, LevelParts};
 pub use error::{BadOptions, ChainError};
 use height_search::lightest;

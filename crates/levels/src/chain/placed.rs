@@ -151,6 +151,13 @@ impl Maker<'_> {
             let maps = self.smaller_images.of(level, document, pixels);
             chosen.textures.extend(maps);
         }
+        let has_own = |material| {
+            let mut own = chosen.textures.iter().filter(|own| own.image.is_none());
+            own.any(|own| own.material == material)
+        };
+        let filled = made.filled.iter().filter(|one| !has_own(one.material));
+        let filled: Vec<LevelTexture> = filled.cloned().collect();
+        chosen.textures.extend(filled);
         Ok(Dressed {
             made,
             chosen,

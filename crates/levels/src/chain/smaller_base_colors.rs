@@ -39,7 +39,7 @@ pub(super) fn smaller_base_colors(
 }
 
 /// Whether a material that is opaque or blends shows its base colour texture, and that image nowhere else: not an emission, for one.
-fn shows_base_color(document: &Document, material: usize, look: &Material) -> bool {
+pub(super) fn shows_base_color(document: &Document, material: usize, look: &Material) -> bool {
     let images = document.images_of_material(material);
     let base_colors = images.iter().filter(|image| image.is_base_color);
     let is_plain = !look.finish.is_unlit || images.len() == 1;

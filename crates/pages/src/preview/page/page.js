@@ -54,13 +54,26 @@ const cut = (box, share) => {
   return [{ ...box, width }, { ...box, x: box.x + width, width: box.width - width }];
 };
 
-// Boxes of the pictures in the canvas, in its pixels from the upper left: for the
-// original and the level one that fills it and one at true size.
+// The height that an element takes with its margins, in pixels of the canvas.
+const heightOf = (element) => {
+  const { marginTop, marginBottom } = getComputedStyle(element);
+  return Math.ceil((element.offsetHeight + parseFloat(marginTop) + parseFloat(marginBottom)) * ratio());
+};
+
+// Cuts this many pixels off the top of a box, or off its bottom.
+const below = (box, px) => ({ ...box, y: box.y + px, height: Math.max(box.height - px, 1) });
+const above = (box, px) => ({ ...box, height: Math.max(box.height - px, 1) });
+
+// Boxes in the canvas, in its pixels from the upper left: for the original and the level a half of it, in which a
+// picture is large and one at true size. Labels stand above the one and below the other, on no crown.
 const boxes = () => {
   const halves = cut({ x: 0, y: 0, width: canvas.width, height: canvas.height }, 0.5);
-  return halves.map((half) => state.isTrueSize ? { large: half, small: null } : {
-    large: cut(half, TRUE_SIZE_SHARE)[0],
-    small: cut(half, TRUE_SIZE_SHARE)[1],
+  const head = Math.max(heightOf($("name-original")), heightOf($("name-level")));
+  const foot = heightOf($("inset-level").firstElementChild);
+  return halves.map((half) => {
+    if (state.isTrueSize) return { named: half, large: above(below(half, head), foot), sized: half, small: null };
+    const [large, sized] = cut(below(half, head), TRUE_SIZE_SHARE);
+    return { named: { ...large, y: half.y, height: head + large.height }, large, sized, small: above(sized, foot) };
   });
 };
 
@@ -82,16 +95,17 @@ const draw = () => {
   const plain = { ...state.show, wire: false };
   const high = chain.pixelsHigh(state.distance);
   const wind = state.isWindy ? state.windSeconds : null;
-  boxes().forEach(({ large, small }, k) => {
+  renderer.clear({ x: 0, y: 0, width: canvas.width, height: canvas.height });
+  boxes().forEach(({ named, large, sized, small }, k) => {
     const level = k === 0 ? { level: 0, steps: null } : { level: state.level, steps: state.steps, share: state.share };
     const trueSize = (box) => chain.trueSize(orbit, state.distance, box.height);
     const camera = state.isTrueSize ? trueSize(large) : chain.closeUp(orbit, large.width / large.height);
     picture(level, camera, large, state.show, wind);
     if (small) picture(level, trueSize(small), small, plain, wind);
-    const half = k === 0 ? "original" : "level";
-    lay($(`half-${half}`), large);
-    lay($(`inset-${half}`), small ?? large);
-    $(`inset-${half}`).firstElementChild.textContent = `True size · ${Math.round(high)} px`;
+    const side = k === 0 ? "original" : "level";
+    lay($(`half-${side}`), named);
+    lay($(`inset-${side}`), sized);
+    $(`inset-${side}`).firstElementChild.textContent = `True size · ${Math.round(high)} px`;
   });
 };
 
@@ -127,6 +141,7 @@ const say = () => {
   const original = chain.facts[0];
   const facts = shownFacts();
   const parts = (f) => {
+    if (f.kind === "impostor") return "pictures on cards";
     const leaves = f.leaves === null ? "leaves" : `${count(f.leaves)} leaves`;
     return `${count(f.foliage_triangles)} in ${leaves} · ${count(f.wood_triangles)} in wood`;
   };
