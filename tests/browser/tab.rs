@@ -212,7 +212,7 @@ impl Tab {
             inner.map(|v| (v * f64::from(self.device.ratio)).round() as u32);
         let width = width.min(picture.width().saturating_sub(x));
         let height = height.min(picture.height().saturating_sub(y));
-        assert!(width > 20 && height > 20, "{selector} is in the window");
+        assert!(width > 8 && height > 8, "{selector} is in the window");
         image::imageops::crop_imm(picture, x, y, width, height).to_image()
     }
 

@@ -9,6 +9,7 @@ use rustc_hash::FxHashSet;
 use secateur_model::{CornerRef, Foliage, LeafId, LeafTriangle, Lod, NewCorner, NewLeaf, Place};
 
 use super::Wood;
+use super::fullness::outwards;
 use super::hanging::Holds;
 use super::levels::{EVEN_NORMAL_WEIGHT, UV_WEIGHT, joints};
 use super::thickness::thickness;
@@ -179,12 +180,40 @@ fn joined(
         }
         lod.remove(donor);
         if !triangles.is_empty() {
+            let triangles = as_full(wood, donor, triangles, &scales[donor.index()]);
             lod.make(NewLeaf { donor, triangles });
         }
     }
     lod
 }
 
-fn key(place: DVec3) -> [u64; 3] {
+/// What is left of a piece, as full as the piece was.
+fn as_full(
+    wood: &Foliage,
+    piece: LeafId,
+    mut triangles: Vec<[NewCorner; 3]>,
+    scale: &Scale,
+) -> Vec<[NewCorner; 3]> {
+    let place = |corner: &NewCorner| match &corner.place {
+        Place::At(at) => *at,
+        Place::Of(corner) => corner.position(wood),
+        Place::InPlaneOf { .. } => unreachable!("collapses move corners or keep them"),
+    };
+    let left: Vec<[DVec3; 3]> = triangles
+        .iter()
+        .map(|corners| [0, 1, 2].map(|k| place(&corners[k])))
+        .collect();
+    let own = wood.triangles_of(piece);
+    if let Some(moved) = outwards(own, &left, thickness(wood, piece)) {
+        for (corners, places) in triangles.iter_mut().zip(moved) {
+            for (corner, at) in corners.iter_mut().zip(places) {
+                corner.place = Place::At(at.clamp(scale.low, scale.high));
+            }
+        }
+    }
+    triangles
+}
+
+pub(super) fn key(place: DVec3) -> [u64; 3] {
     place.to_array().map(|v| (v + 0.0).to_bits())
 }

@@ -15,6 +15,7 @@ mod crown;
 mod distance;
 mod evenly;
 mod forks;
+mod fullness;
 mod gaps;
 mod hanging;
 mod holds;

@@ -65,15 +65,17 @@ const below = (box, px) => ({ ...box, y: box.y + px, height: Math.max(box.height
 const above = (box, px) => ({ ...box, height: Math.max(box.height - px, 1) });
 
 // Boxes in the canvas, in its pixels from the upper left: for the original and the level a half of it, in which a
-// picture is large and one at true size. Labels stand above the one and below the other, on no crown.
-const boxes = () => {
+// picture is large and one at true size, of a tree this many pixels high. Labels stand above the one and, as far as the
+// tree leaves room, below the other.
+const boxes = (high) => {
   const halves = cut({ x: 0, y: 0, width: canvas.width, height: canvas.height }, 0.5);
   const head = Math.max(heightOf($("name-original")), heightOf($("name-level")));
   const foot = heightOf($("inset-level").firstElementChild);
+  const aboveFoot = (box) => above(box, clamp(box.height - high * ratio(), 0, foot));
   return halves.map((half) => {
-    if (state.isTrueSize) return { named: half, large: above(below(half, head), foot), sized: half, small: null };
-    const [large, sized] = cut(below(half, head), TRUE_SIZE_SHARE);
-    return { named: { ...large, y: half.y, height: head + large.height }, large, sized, small: above(sized, foot) };
+    if (state.isTrueSize) return { named: half, large: aboveFoot(below(half, head)), sized: half, small: null };
+    const [named, sized] = cut(half, TRUE_SIZE_SHARE);
+    return { named, large: below(named, head), sized, small: aboveFoot(sized) };
   });
 };
 
@@ -96,7 +98,7 @@ const draw = () => {
   const high = chain.pixelsHigh(state.distance);
   const wind = state.isWindy ? state.windSeconds : null;
   renderer.clear({ x: 0, y: 0, width: canvas.width, height: canvas.height });
-  boxes().forEach(({ named, large, sized, small }, k) => {
+  boxes(high).forEach(({ named, large, sized, small }, k) => {
     const level = k === 0 ? { level: 0, steps: null } : { level: state.level, steps: state.steps, share: state.share };
     const trueSize = (box) => chain.trueSize(orbit, state.distance, box.height);
     const camera = state.isTrueSize ? trueSize(large) : chain.closeUp(orbit, large.width / large.height);
