@@ -12,6 +12,7 @@ use glam::Vec2;
 use secateur_gltf::{Document, DrawnSurface};
 use secateur_model::{AlphaMode, Surface, Texture};
 
+use super::level_surfaces::by_material;
 use super::smaller_base_colors::shows_base_color;
 use crate::clear_texels::{Dilated, fill};
 
@@ -176,18 +177,6 @@ impl Chart {
             ..texture.clone()
         }
     }
-}
-
-fn by_material<'s>(
-    drawn: impl IntoIterator<Item = (&'s Surface, Option<usize>)>,
-) -> BTreeMap<usize, Vec<&'s Surface>> {
-    let mut all: BTreeMap<usize, Vec<&Surface>> = BTreeMap::new();
-    for (surface, material) in drawn {
-        if let Some(material) = material {
-            all.entry(material).or_default().push(surface);
-        }
-    }
-    all
 }
 
 /// The texture coordinates of the triangles of surfaces that have any.

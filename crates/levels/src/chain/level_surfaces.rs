@@ -35,14 +35,21 @@ impl LevelSurfaces {
 
     /// The surfaces of each material, by its number; those without one are left out.
     pub(super) fn by_material(&self) -> BTreeMap<usize, Vec<&Surface>> {
-        let mut all: BTreeMap<usize, Vec<&Surface>> = BTreeMap::new();
-        for (surface, material) in self.surfaces.iter().zip(&self.materials) {
-            if let Some(material) = material {
-                all.entry(*material).or_default().push(surface);
-            }
-        }
-        all
+        by_material(self.with_materials())
     }
+}
+
+/// Surfaces by the number of their material; those without one are left out.
+pub(super) fn by_material<'s>(
+    drawn: impl IntoIterator<Item = (&'s Surface, Option<usize>)>,
+) -> BTreeMap<usize, Vec<&'s Surface>> {
+    let mut all: BTreeMap<usize, Vec<&Surface>> = BTreeMap::new();
+    for (surface, material) in drawn {
+        if let Some(material) = material {
+            all.entry(material).or_default().push(surface);
+        }
+    }
+    all
 }
 
 /// The surfaces of a level with textures of its own.

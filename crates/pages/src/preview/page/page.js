@@ -64,18 +64,26 @@ const heightOf = (element) => {
 const below = (box, px) => ({ ...box, y: box.y + px, height: Math.max(box.height - px, 1) });
 const above = (box, px) => ({ ...box, height: Math.max(box.height - px, 1) });
 
-// Boxes in the canvas, in its pixels from the upper left: for the original and the level a half of it, in which a
-// picture is large and one at true size, of a tree this many pixels high. Labels stand above the one and, as far as the
-// tree leaves room, below the other.
-const boxes = (high) => {
+const SIDES = ["original", "level"];
+
+// Lays the labels of the original and the level over the halves of the canvas, for trees this many pixels high on the
+// screen, and gives the boxes of their pictures, in pixels of the canvas from the upper left: a large one, and one at true
+// size unless the large one is. Labels stand above the one and, as far as the tree leaves room, below the other.
+const layOut = (high) => {
   const halves = cut({ x: 0, y: 0, width: canvas.width, height: canvas.height }, 0.5);
-  const head = Math.max(heightOf($("name-original")), heightOf($("name-level")));
+  const parts = halves.map((half) => (state.isTrueSize ? [half, half] : cut(half, TRUE_SIZE_SHARE)));
+  parts.forEach(([named, sized], k) => {
+    lay($(`half-${SIDES[k]}`), named);
+    lay($(`inset-${SIDES[k]}`), sized);
+    $(`inset-${SIDES[k]}`).firstElementChild.textContent = `True size · ${Math.round(high)} px`;
+  });
+  // How high they are is known once they are as wide as they will be.
+  const head = Math.max(...SIDES.map((side) => heightOf($(`name-${side}`))));
   const foot = heightOf($("inset-level").firstElementChild);
   const aboveFoot = (box) => above(box, clamp(box.height - high * ratio(), 0, foot));
-  return halves.map((half) => {
-    if (state.isTrueSize) return { named: half, large: aboveFoot(below(half, head)), sized: half, small: null };
-    const [named, sized] = cut(half, TRUE_SIZE_SHARE);
-    return { named, large: below(named, head), sized, small: aboveFoot(sized) };
+  return parts.map(([named, sized]) => {
+    const large = below(named, head);
+    return state.isTrueSize ? { large: aboveFoot(large), small: null } : { large, small: aboveFoot(sized) };
   });
 };
 
@@ -98,16 +106,12 @@ const draw = () => {
   const high = chain.pixelsHigh(state.distance);
   const wind = state.isWindy ? state.windSeconds : null;
   renderer.clear({ x: 0, y: 0, width: canvas.width, height: canvas.height });
-  boxes(high).forEach(({ named, large, sized, small }, k) => {
+  layOut(high).forEach(({ large, small }, k) => {
     const level = k === 0 ? { level: 0, steps: null } : { level: state.level, steps: state.steps, share: state.share };
     const trueSize = (box) => chain.trueSize(orbit, state.distance, box.height);
     const camera = state.isTrueSize ? trueSize(large) : chain.closeUp(orbit, large.width / large.height);
     picture(level, camera, large, state.show, wind);
     if (small) picture(level, trueSize(small), small, plain, wind);
-    const side = k === 0 ? "original" : "level";
-    lay($(`half-${side}`), named);
-    lay($(`inset-${side}`), sized);
-    $(`inset-${side}`).firstElementChild.textContent = `True size · ${Math.round(high)} px`;
   });
 };
 
