@@ -2,6 +2,7 @@
 //! it; and its pictures against those of three.js.
 
 mod continuous;
+mod labels;
 mod odd_card;
 mod wind;
 
@@ -263,47 +264,6 @@ fn levels_are_chosen_by_hand_and_by_distance() {
     tab.press("#leaves", "2");
     assert_eq!(tab.ask("preview.state.level"), 2);
     check_manners(&mut tab);
-}
-
-/// Where a label stands the canvas shows nothing but its background; the trees stand so far off that there is room.
-fn labels_lie_on_no_tree(device: Device) {
-    let Some((mut tab, _folder)) = opened(device) else {
-        return;
-    };
-    const LABELS: [&str; 4] = [
-        "#name-original",
-        "#name-level",
-        "#inset-original p",
-        "#inset-level p",
-    ];
-    tab.ask("preview.state.distance = preview.chain.distance(100)");
-    for is_true_size in ["false", "true"] {
-        tab.ask(&format!(
-            "preview.state.isTrueSize = {is_true_size}; preview.draw()"
-        ));
-        parts(&mut tab);
-        for label in LABELS {
-            tab.ask(&format!(
-                "document.querySelector('{label}').style = 'color: transparent; background: none'; \
-                 document.querySelectorAll('{label} *').forEach((e) => e.style = 'color: transparent')"
-            ));
-        }
-        let picture = tab.picture();
-        for label in LABELS {
-            let bare = tab.part(&picture, label);
-            assert_eq!(drawn(&bare), 0.0, "{label} at true size: {is_true_size}");
-        }
-    }
-}
-
-#[test]
-fn labels_lie_on_no_tree_on_a_desktop() {
-    labels_lie_on_no_tree(DESKTOP);
-}
-
-#[test]
-fn labels_lie_on_no_tree_on_a_phone() {
-    labels_lie_on_no_tree(PHONE);
 }
 
 /// At true size the tree is as many pixels high as the page says.

@@ -472,7 +472,7 @@ fn drawn(tree: &Tree, lod: &Lod) -> Result<[Vec<DrawnSurface>; 2], GltfError> {
     Ok([tree.drawn(Detail::Color)?, level])
 }
 
-/// How far a level looks from its plant, so many pixels high.
+/// How far a level looks from its plant where the screen shows the plant as `pixels_high` pixels.
 fn difference_of(
     plant: Vec<DrawnSurface>,
     level: Vec<DrawnSurface>,

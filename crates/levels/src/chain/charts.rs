@@ -291,7 +291,7 @@ mod tests {
         }
     }
 
-    /// A fan of so many triangles about the middle of a texture, of this radius in texture coordinates.
+    /// A polygon of `corners` corners about the middle of a texture; `radius` is in texture coordinates.
     fn fan(corners: u32, radius: f32, texture: Texture) -> Surface {
         let at = |k: u32| {
             let angle = k as f32 / corners as f32 * std::f32::consts::TAU;
