@@ -59,7 +59,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             let start = Instant::now();
             let cards = Cards::new(&surfaces, count);
             if let Some(made) =
-                Impostor::cards(&cards, height, Texels::up_to(f64::INFINITY, height))
+                Impostor::cards(&cards, height, Texels::up_to(f64::INFINITY, height, false))
             {
                 let name = format!("cards-{}", cards.count());
                 all.push((name, start.elapsed().as_secs_f64(), made));

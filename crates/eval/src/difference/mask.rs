@@ -4,7 +4,7 @@
 const GROWN_BY_PX: usize = 2;
 
 /// Pixels with this much of the plant or more are its own.
-const LEAST_COVERAGE: f32 = 0.1;
+pub(super) const LEAST_COVERAGE: f32 = 0.1;
 
 /// U: the pixels, row by row, no more than two from one in which either picture shows a tenth of plant or more.
 pub(crate) fn judged_pixels(a: &[f32], b: &[f32], width: usize) -> Vec<u32> {

@@ -61,6 +61,9 @@ const GLANCE_VIEWS: usize = 2;
 /// Where eyes stand, in radii of the plant's bounding sphere.
 const RADII: f64 = 3.0;
 
+/// What is thinner than a pixel covers less than this of those that it touches, in the mean.
+const MOST_OF_THIN: f64 = 0.5;
+
 /// After how many views a level may be given up: enough for what is far beyond the limits.
 const FIRST_VIEWS: usize = 2;
 
@@ -202,6 +205,20 @@ impl DifferenceJudge {
             eyes.iter().map(covered).sum::<f64>() / eyes.len().max(1) as f64
         };
         (0..self.plants.len()).map(of_plant).sum()
+    }
+
+    /// Whether nearly all that the plants show is thinner than a pixel, twigs or blades, where the screen shows
+    /// [size](Self::size) as `pixels_high` pixels.
+    pub fn is_thin(&self, pixels_high: f64) -> bool {
+        let (mut covered, mut touched) = (0.0, 0.0);
+        for plant in 0..self.plants.len() {
+            for eye in self.eyes(self.plants.sphere(plant), ViewCount::Search) {
+                let drawn = self.picture(plant, &eye, pixels_high);
+                covered += drawn.1.covered_px();
+                touched += drawn.1.touched_px();
+            }
+        }
+        covered < MOST_OF_THIN * touched
     }
 
     /// How far a level looks from the plant where the screen shows the plant's [size](Self::size) as

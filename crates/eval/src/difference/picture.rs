@@ -8,7 +8,7 @@ use super::blocks::{
     LEAST_JUDGED, LEAST_WOOD, ViewScores, largest_coverage_difference, worst_and_mean,
 };
 use super::frame::Frame;
-use super::mask::{judged_pixels, near_difference};
+use super::mask::{LEAST_COVERAGE, judged_pixels, near_difference};
 use crate::cut_mask::CutMasks;
 use crate::flip::{CutOutFlip, FilteredCutOut, reach_px};
 use crate::render::{CutOut, CutOutRoles, draw_cut_out};
@@ -66,6 +66,12 @@ impl PlantPicture {
     /// How many pixels the plant covers, parts of pixels counted.
     pub(super) fn covered_px(&self) -> f64 {
         self.coverage.iter().map(|part| f64::from(*part)).sum()
+    }
+
+    /// How many pixels show a tenth of plant or more.
+    pub(super) fn touched_px(&self) -> f64 {
+        let is_touched = |part: &&f32| **part >= LEAST_COVERAGE;
+        self.coverage.iter().filter(is_touched).count() as f64
     }
 
     /// By pixel, whether a level, drawn in the same frame, has another colour or coverage there.

@@ -217,3 +217,14 @@ fn pictures_are_kept_as_long_as_they_are_not_too_many() {
     }
     assert_eq!(kept(), [3000.0, 2000.0]);
 }
+
+#[test]
+fn what_is_thinner_than_a_pixel_is_thin() {
+    let is_thin = |width: f64, pixels_high: f64| {
+        let judge = DifferenceJudge::new(vec![trunk(width)], &[true]);
+        judge.is_thin(pixels_high)
+    };
+    // A pixel is a tenth, an eightieth and a tenth high.
+    assert!(is_thin(0.03, 20.0) && !is_thin(0.1, 160.0));
+    assert!(!is_thin(1.0, 20.0));
+}

@@ -18,7 +18,6 @@ use super::placed::Placed;
 use super::stage_clock::ChainStage;
 use super::texture_bytes::texture_bytes;
 use super::textures::{Client, end_of};
-use crate::impostor::cards::Texels;
 use crate::impostor::fewest_cards::{self, Found, Search};
 use crate::impostor::{Impostor, poll};
 
@@ -120,7 +119,8 @@ impl Maker<'_> {
             poll(observer)?;
             let height = &heights[k];
             search.cards.bound(search.bytes_left);
-            if !search.cards.has_room(*height) {
+            let seen = self.seen(*height);
+            if !search.cards.has_room(&seen) {
                 continue;
             }
             let most_cost = match all.last() {
@@ -145,7 +145,6 @@ impl Maker<'_> {
             let most = (most_triangles / 2.0) as usize;
             let covering = Covering::new(client, [*height, end_of(*height, None)]);
             let finish = |made| covering.of(made);
-            let seen = self.seen(*height);
             let found = search.cards.fewest(&seen, most, finish, observer)?;
             let Some(found) = found else {
                 continue;
@@ -256,7 +255,7 @@ impl Maker<'_> {
         let found = match fewest {
             Some(fewest) => Some(fewest),
             None => {
-                let texels = Texels::up_to(f64::INFINITY, height);
+                let texels = seen.texels_up_to(f64::INFINITY);
                 search.finished(most, &seen, texels, finish, observer)?
             }
         };

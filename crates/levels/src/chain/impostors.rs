@@ -187,7 +187,7 @@ impl Maker<'_> {
         let triangles = impostor.surface.triangles.len();
         let is_light = !self.is_more_than(&impostor, mesh)
             && self.cost_of_impostor(&impostor) < self.cost_beside(mesh);
-        let does = is_light && difference.over(self.look.limits_of_impostors) <= 1.0;
+        let does = is_light && difference.over(self.look.limits_of_impostors(height)) <= 1.0;
         let mut same_cost = None;
         if triangles < mesh_triangles
             && (does || choice != Choice::Auto)
@@ -277,7 +277,7 @@ impl Maker<'_> {
         let original = &self.look.original.surfaces;
         let fewest = Impostor::crossed(original, Planes::ALL[0], self.look.of_height(height))?;
         let found = seen.at_a_glance(&fewest);
-        (found.over(self.look.limits_of_impostors) > HOPELESS).then_some(found.difference)
+        (found.over(self.look.limits_of_impostors(height)) > HOPELESS).then_some(found.difference)
     }
 
     /// The triangles of a mesh, or of the plant itself where no mesh stands.
@@ -299,7 +299,7 @@ impl Maker<'_> {
 
     /// What cards and planes are held against where the screen shows the plant at this height.
     pub(super) fn seen(&self, height: f64) -> Seen<'_> {
-        let limits = self.look.limits_of_impostors;
+        let limits = self.look.limits_of_impostors(height);
         Seen::new(self.look.judge_of_impostors(), height, limits)
     }
 

@@ -43,15 +43,8 @@ const FEW_LEAVES: usize = 50;
 /// the difference that cannot be told, .18.
 const SHARE_FOR_SURFACES: f64 = 0.18 / 0.28;
 
-fn limits_of_impostors(limits: Limits, leaf_count: usize) -> Limits {
-    match leaf_count < FEW_LEAVES {
-        true => Limits {
-            difference: SHARE_FOR_SURFACES * limits.difference,
-            block_coverage: SHARE_FOR_SURFACES * limits.block_coverage,
-        },
-        false => limits,
-    }
-}
+/// What twigs and blades that are thinner than a pixel may use: cards beyond it have gaps in their trunks.
+const SHARE_FOR_TWIGS: f64 = 0.24 / 0.28;
 
 /// What a level looks like, and how far that is from the original.
 #[derive(Clone)]
@@ -88,8 +81,8 @@ pub(super) struct Look {
     exact_up_to_px: f64,
     /// How much levels may differ.
     pub(super) limits: Limits,
-    /// How much cards and planes may.
-    pub(super) limits_of_impostors: Limits,
+    /// Whether the plant has so few leaves, or none, that it is looked at as surfaces.
+    has_few_leaves: bool,
     /// For FLIP over a frame and what clients draw: one set of some of the held-out views, or of the cameras of a
     /// scene, each as narrow as holds the plant.
     pub(super) views: [ViewSet; 1],
@@ -162,7 +155,7 @@ impl Look {
             search_px: work.search_px,
             exact_up_to_px: work.exact_up_to_px,
             limits: options.limits(),
-            limits_of_impostors: limits_of_impostors(options.limits(), leaves.leaves().len()),
+            has_few_leaves: leaves.leaves().len() < FEW_LEAVES,
             original,
             views: [ViewSet::new(cameras.clone().unwrap_or(views))],
             cameras,
@@ -276,6 +269,20 @@ impl Look {
     pub(super) fn covered_px(&self, pixels_high: f64) -> f64 {
         let px = pixels_high.min(self.search_px);
         self.judge.covered_px(px) * (pixels_high / px).powi(2)
+    }
+
+    /// What of the limits impostors may use where the screen shows the plant at this height.
+    pub(super) fn limits_of_impostors(&self, pixels_high: f64) -> Limits {
+        let judge = self.judge_of_impostors();
+        let share = match self.has_few_leaves {
+            true if judge.is_thin(pixels_high.min(self.search_px)) => SHARE_FOR_TWIGS,
+            true => SHARE_FOR_SURFACES,
+            false => 1.0,
+        };
+        Limits {
+            difference: share * self.limits.difference,
+            block_coverage: share * self.limits.block_coverage,
+        }
     }
 
     /// What tells the plants of the file apart, and judges levels of them.

@@ -125,7 +125,8 @@ fn mesh(maker: &Maker<'_>, triangles: usize, height: f64) -> Placed {
 fn cards(maker: &Maker<'_>, count: usize, height: f64) -> PlacedImpostor {
     let cards = Cards::new(&maker.look.original.surfaces, count);
     let level = ImpostorLevel {
-        impostor: Impostor::cards(&cards, height, Texels::up_to(f64::INFINITY, height)).unwrap(),
+        impostor: Impostor::cards(&cards, height, Texels::up_to(f64::INFINITY, height, false))
+            .unwrap(),
         mesh_triangles: 0,
         mesh_difference: 0.0,
         same_cost: None,
@@ -375,4 +376,20 @@ fn little_effort_estimates_large_differences() {
     let exact = judge.difference(&level.level.surfaces, 300.0, ViewCount::All);
     let ratio = exact.difference / fast.levels[0].difference.difference;
     assert!((0.8..1.25).contains(&ratio), "{ratio}");
+}
+
+#[test]
+fn cards_of_twigs_may_use_more_than_those_of_surfaces() {
+    let (tree, engine) = (grown(Species::Oak, 40), engine());
+    let options = options(&[20.0]);
+    let maker = Maker::new(&tree, &options, &engine).unwrap();
+    let share = |pixels_high: f64| {
+        let limits = maker.look.limits_of_impostors(pixels_high);
+        limits.difference / maker.look.limits.difference
+    };
+    let (of_twigs, of_surfaces) = (share(8.0), share(500.0));
+    assert!(
+        of_surfaces < of_twigs && of_twigs < 1.0,
+        "{of_surfaces} {of_twigs}"
+    );
 }

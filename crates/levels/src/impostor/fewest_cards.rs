@@ -44,7 +44,11 @@ const HOPELESS: f64 = 1.2;
 const COARSEST_PX: f64 = 2.0;
 
 /// Lengths of a texel in pixels that are tried once cards are found, until one does: the screen shows no finer ones.
-const COARSER_PX: [f64; 2] = [1.0, 0.5];
+const COARSER_PX: [f64; 3] = [1.0, 0.5, 0.25];
+
+/// From this height in pixels down all pieces of stems have two cards. A crown has few layers there; where it has many,
+/// as many more layers look nearer than as many second cards.
+const STEMS_CROSS_PX: f64 = 32.0;
 
 /// Cards are made darker or brighter in steps of this, as long as they look nearer.
 const BRIGHTER: f32 = 1.12;
@@ -84,6 +88,8 @@ pub struct Seen<'a> {
     judge: &'a DifferenceJudge,
     pixels_high: f64,
     limits: Limits,
+    /// Whether nearly all of the plant is thinner than a pixel there.
+    is_thin: bool,
 }
 
 impl<'a> Seen<'a> {
@@ -93,7 +99,14 @@ impl<'a> Seen<'a> {
             judge,
             pixels_high,
             limits,
+            is_thin: judge.is_thin(pixels_high.min(SEARCH_PX)),
         }
+    }
+
+    /// The finest texels that show the plant there, to those of `coarsest_px`.
+    pub fn texels_up_to(&self, coarsest_px: f64) -> Texels {
+        let pixels_high = self.pixels_high.min(SEARCH_PX);
+        Texels::up_to(coarsest_px, pixels_high, self.is_thin)
     }
 
     /// How many times the limits an impostor is, in the pictures of a search.
@@ -192,9 +205,10 @@ impl<'a> Seen<'a> {
 /// A search for the fewest cards of a plant, at one place after another.
 pub struct Search<'a> {
     surfaces: &'a [Surface],
-    sorted: BTreeMap<usize, Cards<'a, Surface>>,
-    /// Cards for the pictures of a search, by their height in pixels and step.
-    rough: BTreeMap<(u64, usize), Impostor>,
+    /// By their number, and whether stems have two that cross.
+    sorted: BTreeMap<(usize, bool), Cards<'a, Surface>>,
+    /// Cards for the pictures of a search, by their height in pixels, step and most bytes.
+    rough: BTreeMap<(u64, usize, u64), Impostor>,
     /// Bytes that the pictures of cards may take on the GPU.
     most_bytes: u64,
 }
@@ -215,17 +229,17 @@ impl<'a> Search<'a> {
         self.most_bytes = most_bytes;
     }
 
-    fn texels(&self, pixels_high: f64) -> Texels {
+    fn texels(&self, seen: &Seen<'_>) -> Texels {
         Texels {
             most_bytes: self.most_bytes,
-            ..Texels::up_to(COARSEST_PX, pixels_high)
+            ..seen.texels_up_to(COARSEST_PX)
         }
     }
 
     /// Whether an atlas has room for any cards where the screen shows the plant at this height.
-    pub fn has_room(&mut self, pixels_high: f64) -> bool {
-        let texels = self.texels(pixels_high);
-        self.sorted(number(0)).fit(pixels_high, texels)
+    pub fn has_room(&mut self, seen: &Seen<'_>) -> bool {
+        let texels = self.texels(seen);
+        self.sorted(number(0), seen).fit(seen.pixels_high, texels)
     }
 
     /// The fewest cards, at most `most`, that are within the limits, with textures as fine as the place asks for,
@@ -254,35 +268,21 @@ impl<'a> Search<'a> {
         if all - 1 > few + FAR_FROM_FEW && best * seen.over_in_search(of_few) > HOPELESS {
             return Ok(None);
         }
-        let Some(last) = self.last(all, most, seen, observer)? else {
+        let texels = self.texels(seen);
+        let most_within = self.most_within((all, most), (seen, texels), &finish, observer)?;
+        let Some((last, of_last, over)) = most_within else {
             return Ok(None);
         };
-        let Some(rough) = self.rough(last, seen, observer)? else {
-            return Ok(None);
-        };
-        let of_last = seen.over_in_search(rough);
-        if of_last > HOPELESS {
-            return Ok(None);
-        }
-        poll(observer)?;
-        let texels = self.texels(seen.pixels_high);
-        let cards = self.sorted(number(last));
-        let Some(fine) = Impostor::cards(cards, seen.pixels_high, texels) else {
-            return Ok(None);
-        };
-        poll(observer)?;
-        let over = seen
-            .difference(&seen.as_bright(finish(fine)))
-            .over(seen.limits);
-        if over > 1.0 {
-            return Ok(None);
-        }
         let most_over = match over > 0.0 {
             true => of_last / over,
             // Nothing is seen of the plant, or no difference.
             false => 1.0,
         };
-        let Some(step) = self.fewest_rough((last, of_last), seen, most_over, observer)? else {
+        let step = match seen.is_thin && seen.pixels_high <= SEARCH_PX {
+            true => Some(self.fewest_finished(last, (seen, texels), &finish, observer)?),
+            false => self.fewest_rough((last, of_last), seen, most_over, observer)?,
+        };
+        let Some(step) = step else {
             return Ok(None);
         };
         for step in (step..last).take(MORE).chain([last]) {
@@ -310,6 +310,44 @@ impl<'a> Search<'a> {
         Ok(None)
     }
 
+    /// The last of the first `all` steps whose cards are within the limits, how many times the limits it is in the
+    /// pictures of a search, and in its own. Where a plant is thin, steps before it are tried as long as they look nearer:
+    /// many small pictures of twigs lose more than fewer large ones.
+    fn most_within(
+        &mut self,
+        (mut all, most): (usize, usize),
+        (seen, texels): (&Seen<'_>, Texels),
+        finish: impl Fn(Impostor) -> Impostor,
+        observer: &mut Observer<'_>,
+    ) -> Result<Option<(usize, f64, f64)>, Error> {
+        let mut least_over = f64::INFINITY;
+        while let Some(last) = self.last(all, most, seen, observer)? {
+            let Some(rough) = self.rough(last, seen, observer)? else {
+                break;
+            };
+            let of_last = seen.over_in_search(rough);
+            if of_last > HOPELESS && !seen.is_thin {
+                break;
+            }
+            poll(observer)?;
+            let cards = self.sorted(number(last), seen);
+            let Some(fine) = Impostor::cards(cards, seen.pixels_high, texels) else {
+                break;
+            };
+            poll(observer)?;
+            let bright = seen.as_bright(finish(fine));
+            let over = seen.difference(&bright).over(seen.limits);
+            if over <= 1.0 {
+                return Ok(Some((last, of_last, over)));
+            }
+            if !seen.is_thin || over >= least_over || last < FEWER {
+                break;
+            }
+            (least_over, all) = (over, last + 1 - FEWER);
+        }
+        Ok(None)
+    }
+
     /// The last of the first `all` steps whose cards an atlas has room for and are no more than `most`, or one of the
     /// few before it.
     fn last(
@@ -321,8 +359,8 @@ impl<'a> Search<'a> {
     ) -> Result<Option<usize>, Error> {
         for step in (0..all).rev().step_by(FEWER).chain([0]) {
             poll(observer)?;
-            let texels = self.texels(seen.pixels_high);
-            let cards = self.sorted(number(step));
+            let texels = self.texels(seen);
+            let cards = self.sorted(number(step), seen);
             // Trunks have more cards than layers.
             if cards.count() <= most && cards.fit(seen.pixels_high, texels) {
                 return Ok(Some(step));
@@ -361,6 +399,27 @@ impl<'a> Search<'a> {
         Ok(Some(enough.0))
     }
 
+    /// The least step that is within the limits, as the last one is, as it will stand there: what of a twig's picture is
+    /// left hangs on its cutoff.
+    fn fewest_finished(
+        &mut self,
+        last: usize,
+        (seen, texels): (&Seen<'_>, Texels),
+        finish: impl Fn(Impostor) -> Impostor,
+        observer: &mut Observer<'_>,
+    ) -> Result<usize, Error> {
+        let (mut least, mut enough) = (0, last);
+        while least < enough {
+            let step = (least + enough) / 2;
+            let found = self.finished(number(step), seen, texels, &finish, observer)?;
+            match found.is_some_and(|found| found.difference.over(seen.limits) <= 1.0) {
+                true => enough = step,
+                false => least = step + 1,
+            }
+        }
+        Ok(enough)
+    }
+
     /// This number of cards with these texels; lit by their normals or flat, whichever looks nearer.
     ///
     /// # Errors
@@ -374,7 +433,7 @@ impl<'a> Search<'a> {
         observer: &mut Observer<'_>,
     ) -> Result<Option<Found>, Error> {
         poll(observer)?;
-        let cards = self.sorted(count);
+        let cards = self.sorted(count, seen);
         let Some(baked) = Impostor::cards(cards, seen.pixels_high, texels) else {
             return Ok(None);
         };
@@ -393,14 +452,18 @@ impl<'a> Search<'a> {
     ) -> Result<Option<&Impostor>, Error> {
         poll(observer)?;
         let pixels_high = seen.pixels_high.min(SEARCH_PX);
-        let key = (pixels_high.to_bits(), step);
+        let most_bytes = match seen.pixels_high <= SEARCH_PX {
+            true => self.most_bytes,
+            false => u64::MAX,
+        };
+        let key = (pixels_high.to_bits(), step, most_bytes);
         if !self.rough.contains_key(&key) {
-            let cards = self.sorted(number(step));
-            let Some(made) = Impostor::cards(
-                cards,
-                pixels_high,
-                Texels::up_to(f64::INFINITY, pixels_high),
-            ) else {
+            let texels = Texels {
+                most_bytes,
+                ..seen.texels_up_to(f64::INFINITY)
+            };
+            let cards = self.sorted(number(step), seen);
+            let Some(made) = Impostor::cards(cards, pixels_high, texels) else {
                 return Ok(None);
             };
             self.rough.insert(key, seen.as_bright(made));
@@ -408,10 +471,16 @@ impl<'a> Search<'a> {
         Ok(self.rough.get(&key))
     }
 
-    fn sorted(&mut self, count: usize) -> &Cards<'a, Surface> {
+    fn sorted(&mut self, count: usize, seen: &Seen<'_>) -> &Cards<'a, Surface> {
         let surfaces = self.surfaces;
-        let new = || Cards::new(surfaces, count);
-        self.sorted.entry(count).or_insert_with(new)
+        let crosses_stems = seen.pixels_high <= STEMS_CROSS_PX;
+        let new = || match crosses_stems {
+            true => Cards::with_crossed_stems(surfaces, count),
+            false => Cards::new(surfaces, count),
+        };
+        self.sorted
+            .entry((count, crosses_stems))
+            .or_insert_with(new)
     }
 }
 

@@ -20,6 +20,12 @@ const OFF_PLANE: f64 = 32.0;
 /// of its face.
 const TURNED: f64 = 0.05;
 
+/// Stems spread along themselves this many times as much as across, squared: they are twice as long as wide.
+const LONG: f64 = 4.0;
+
+/// And through them this part of that across, squared: blades and boards are flatter.
+const DEEP: f64 = 0.1;
+
 /// How often triangles are sorted into layers and planes fitted to them.
 const ROUNDS: usize = 12;
 
@@ -122,6 +128,8 @@ pub(super) struct Layer {
     /// The area of its triangles, and of those that are sides of bodies, which show as much to all sides.
     pub(super) area: f64,
     pub(super) area_of_bodies: f64,
+    /// Whether it is a piece of a stem: long, nearly as deep as it is wide, and the sides of bodies.
+    pub(super) is_stem: bool,
 }
 
 /// Sorts triangles into `count` layers, or fewer where some would be empty.
@@ -222,9 +230,13 @@ fn layer<'a>(members: Vec<u32>, facet: impl Fn(u32) -> &'a Facet) -> Layer {
             spread += moment(corner - mean) * facet.area;
         }
     }
+    let axes = principal_axes(spread);
+    let [through, across, along] = axes.map(|axis| (spread * axis).dot(axis));
+    let is_body = area_of_bodies > area / 2.0;
     Layer {
+        is_stem: is_body && along > LONG * across && through > DEEP * across,
         // What has one side is seen from there.
-        axes: principal_axes(spread).map(|axis| match axis.dot(faced) < 0.0 {
+        axes: axes.map(|axis| match axis.dot(faced) < 0.0 {
             true => -axis,
             false => axis,
         }),
@@ -305,5 +317,44 @@ mod tests {
         all.sort_unstable();
         assert_eq!(all, (0..128).collect::<Vec<u32>>());
         assert!(layers(&[], 5).is_empty());
+    }
+
+    /// A box of these sides, closed.
+    fn body(sides: DVec3) -> Vec<Facet> {
+        let corner = |k: usize| {
+            let side = |bit: usize| (k >> bit & 1) as f64;
+            sides * DVec3::new(side(0), side(1), side(2))
+        };
+        let squares = [
+            [0, 1, 3, 2],
+            [4, 5, 7, 6],
+            [0, 1, 5, 4],
+            [2, 3, 7, 6],
+            [0, 2, 6, 4],
+            [1, 3, 7, 5],
+        ];
+        let triangles = squares
+            .iter()
+            .flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]);
+        let facet = |(t, corners): (usize, [usize; 3])| {
+            Facet::new([0, t as u32], corners.map(corner), false)
+        };
+        triangles.enumerate().filter_map(facet).collect()
+    }
+
+    #[test]
+    fn stems_are_long_and_round() {
+        let is_stem = |facets: &[Facet]| layers(facets, 1)[0].is_stem;
+        assert!(is_stem(&body(DVec3::new(0.1, 1.0, 0.1))));
+        assert!(!is_stem(&body(DVec3::new(0.6, 1.0, 0.6))), "a boulder");
+        assert!(!is_stem(&body(DVec3::new(0.1, 1.0, 0.01))), "a board");
+        let leaves = body(DVec3::new(0.1, 1.0, 0.1)).into_iter();
+        let leaves: Vec<Facet> = leaves
+            .map(|facet| Facet {
+                is_flat: true,
+                ..facet
+            })
+            .collect();
+        assert!(!is_stem(&leaves), "leaves along a stem");
     }
 }

@@ -39,20 +39,19 @@ pub struct Texels {
 }
 
 impl Texels {
-    /// Leaves that are thinner than a pixel are seen by texels of half a pixel; where the plant is hardly more than a
-    /// few pixels, by those of a quarter, which cost next to nothing.
-    fn finest_px(pixels_high: f64) -> f64 {
-        match pixels_high <= 16.0 {
-            true => 0.25,
-            false => 0.5,
-        }
-    }
-
     /// The finest texels for where the screen shows the plant so many pixels high, to those of `coarsest_px`, without a
     /// bound but that of the largest atlas.
-    pub fn up_to(coarsest_px: f64, pixels_high: f64) -> Self {
+    ///
+    /// Leaves that are thinner than a pixel are seen by texels of half a pixel; where the plant is hardly more than a
+    /// few pixels, by those of a quarter, which cost next to nothing. Where all of it `is_thin`, they are half as long.
+    pub fn up_to(coarsest_px: f64, pixels_high: f64, is_thin: bool) -> Self {
+        let finest_px = match (pixels_high <= 16.0, is_thin) {
+            (true, true) => 0.125,
+            (true, false) | (false, true) => 0.25,
+            (false, false) => 0.5,
+        };
         Self {
-            finest_px: Self::finest_px(pixels_high),
+            finest_px,
             coarsest_px,
             most_bytes: u64::MAX,
         }
@@ -118,13 +117,26 @@ impl<'a, S: Borrow<Surface> + Sync> Cards<'a, S> {
     /// Sorts what is drawn of a plant into at most `count` layers. A layer has one card, a part of a trunk two
     /// that cross. There are no cards where there is nothing to see.
     pub fn new(surfaces: &'a [S], count: usize) -> Self {
+        Self::of(surfaces, count, |_| false)
+    }
+
+    /// As [`new`](Self::new), but all pieces of stems have two cards: with as many triangles they look nearer where few
+    /// layers do.
+    pub fn with_crossed_stems(surfaces: &'a [S], count: usize) -> Self {
+        Self::of(surfaces, count, |layer| layer.is_stem)
+    }
+
+    fn of(surfaces: &'a [S], count: usize, crosses: impl Fn(&Layer) -> bool + Sync) -> Self {
         let facets = facets(surfaces);
         let ys = || facets.iter().flat_map(|f| f.corners).map(|c| c.y);
         let height = ys().fold(f64::MIN, f64::max) - ys().fold(f64::MAX, f64::min);
         let layers = layers(&facets, count);
         let area: f64 = layers.iter().map(|layer| layer.area).sum();
         let much = TRUNK * area / layers.len() as f64;
-        let of_layer = |layer: &Layer| Card::of_layer(&facets, layer, layer.area_of_bodies > much);
+        let of_layer = |layer: &Layer| {
+            let is_stem = crosses(layer) || layer.area_of_bodies > much;
+            Card::of_layer(&facets, layer, is_stem)
+        };
         Self {
             surfaces,
             cards: layers.par_iter().flat_map_iter(of_layer).collect(),
@@ -225,8 +237,8 @@ impl<'a, S: Borrow<Surface> + Sync> Cards<'a, S> {
 }
 
 impl Card {
-    /// The card of a layer; of a trunk two, which would be gone where one is seen from the edge.
-    fn of_layer(facets: &[Facet], layer: &Layer, is_trunk: bool) -> Vec<Self> {
+    /// The card of a layer; of a stem two, which would be gone where one is seen from the edge.
+    fn of_layer(facets: &[Facet], layer: &Layer, is_stem: bool) -> Vec<Self> {
         let mut triangles: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
         for member in &layer.members {
             let [surface, triangle] = facets[*member as usize].at;
@@ -236,7 +248,7 @@ impl Card {
             .flat_map(|member| facets[*member as usize].corners)
             .collect();
         let [off, narrow, wide] = layer.axes;
-        let faced = match is_trunk {
+        let faced = match is_stem {
             true => vec![[off, narrow, wide], [narrow, off, wide]],
             false => vec![[off, narrow, wide]],
         };
@@ -381,7 +393,7 @@ mod tests {
         let cards = Cards::new(&surfaces, 2);
         assert_eq!(cards.count(), 2);
         let Baked { surface, texel_px } = cards
-            .baked(64.0, Texels::up_to(f64::INFINITY, 64.0))
+            .baked(64.0, Texels::up_to(f64::INFINITY, 64.0, false))
             .unwrap();
         assert_eq!(texel_px, 0.5);
         assert_eq!(surface.triangles.len(), 4);
@@ -413,7 +425,7 @@ mod tests {
             surface.triangles = vec![corners];
             let surfaces = [surface];
             let Baked { surface, .. } = Cards::new(&surfaces, 1)
-                .baked(64.0, Texels::up_to(2.0, 64.0))
+                .baked(64.0, Texels::up_to(2.0, 64.0, false))
                 .unwrap();
             let texture = surface.material.texture.as_ref().unwrap();
             let is_there = texture
@@ -456,18 +468,20 @@ mod tests {
         let surfaces = two();
         let cards = Cards::new(&surfaces, 2);
         assert!(
-            cards.fit(256.0, Texels::up_to(0.5, 256.0)) && !cards.fit(1e5, Texels::up_to(2.0, 1e5))
+            cards.fit(256.0, Texels::up_to(0.5, 256.0, false))
+                && !cards.fit(1e5, Texels::up_to(2.0, 1e5, false))
         );
-        assert!(cards.baked(1e5, Texels::up_to(2.0, 1e5)).is_none());
-        let Baked { surface, texel_px } =
-            cards.baked(1e5, Texels::up_to(f64::INFINITY, 1e5)).unwrap();
+        assert!(cards.baked(1e5, Texels::up_to(2.0, 1e5, false)).is_none());
+        let Baked { surface, texel_px } = cards
+            .baked(1e5, Texels::up_to(f64::INFINITY, 1e5, false))
+            .unwrap();
         assert!(texel_px > 40.0, "{texel_px}");
         let texture = surface.material.texture.as_ref().unwrap();
         assert!(texture.width.max(texture.height) <= MOST_ATLAS);
         // Where there is nothing to see, there are no cards.
         assert!(
             Cards::<Surface>::new(&[], 5)
-                .baked(64.0, Texels::up_to(2.0, 64.0))
+                .baked(64.0, Texels::up_to(2.0, 64.0, false))
                 .is_none()
         );
     }

@@ -113,7 +113,7 @@ fn a_smaller_difference_takes_more_cards_and_none_is_beyond_it() {
         .finished(
             fewer,
             &seen,
-            Texels::up_to(f64::INFINITY, 60.0),
+            Texels::up_to(f64::INFINITY, 60.0, false),
             |made| made,
             &mut go_on,
         )
@@ -179,7 +179,8 @@ fn normals_of_half_the_size_are_taken_where_they_look_as_near() {
     let judge = judge(&surfaces);
     let seen = seen(&judge, LIMITS[1]);
     let cards = Cards::new(&surfaces, 60);
-    let impostor = Impostor::cards(&cards, 60.0, Texels::up_to(f64::INFINITY, 60.0)).unwrap();
+    let impostor =
+        Impostor::cards(&cards, 60.0, Texels::up_to(f64::INFINITY, 60.0, false)).unwrap();
     let over = |found: &Found| found.difference.over(seen.limits);
     let all = Found {
         difference: seen.difference(&impostor),
@@ -215,4 +216,44 @@ fn normals_of_half_the_size_are_taken_where_they_look_as_near() {
         ..all
     };
     assert!(seen.with_half_normals(&flat).is_none());
+}
+
+/// Sticks of a thousandth of the plant's size, which a pixel shows little of.
+fn twigs() -> Surface {
+    let mut random = Random::new(5);
+    let mut place = || DVec3::from([0; 3].map(|_| random.between(-1.0, 1.0)));
+    let mut twigs = crown();
+    twigs.positions.clear();
+    for _ in 0..300 {
+        let (at, along) = (place(), place() * 0.3);
+        let across = along.any_orthonormal_vector() * 0.01;
+        twigs
+            .positions
+            .extend([at - across, at + across, at + along]);
+    }
+    twigs.triangles.truncate(300);
+    twigs.normals.truncate(900);
+    twigs
+}
+
+/// The most cards are too small for twigs: fewer are found, with texels that show them.
+#[test]
+fn cards_are_found_for_thin_plants() {
+    let surfaces = [twigs()];
+    let judge = judge(&surfaces);
+    let found = |seen: &Seen<'_>| {
+        let mut search = Search::new(&surfaces, u64::MAX);
+        let found = search.fewest(seen, most(), |made| made, &mut go_on);
+        found.unwrap()
+    };
+    let seen = Seen::new(&judge, 16.0, Limits::of_difference(0.5));
+    assert!(seen.is_thin);
+    let thin = found(&seen).unwrap();
+    assert!(thin.difference.over(seen.limits) <= 1.0);
+    assert!(thin.impostor.surface.triangles.len() < most());
+    let as_solid = Seen {
+        is_thin: false,
+        ..seen
+    };
+    assert!(found(&as_solid).is_none());
 }
