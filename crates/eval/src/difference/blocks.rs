@@ -3,8 +3,8 @@
 /// A block is judged if at least this share of its pixels is in U.
 pub(super) const LEAST_JUDGED: f64 = 0.25;
 
-/// The wood of a block is judged if at least this share of its pixels shows wood.
-pub(super) const LEAST_WOOD: f64 = 0.05;
+/// The wood of a block, or its spots, are judged if at least this share of its pixels shows them.
+pub(super) const LEAST_OF_PART: f64 = 0.05;
 
 /// Coverage of a block is compared if the plant covers at least this share of it.
 const LEAST_PLANT: f64 = 0.1;
@@ -30,16 +30,16 @@ struct Block {
 }
 
 /// The worst block, and the mean, of FLIP `errors` at the pixels `judged`, of the blocks that have at least so large a
-/// share of them; `block_of` names the block of a pixel. A picture none of whose blocks is judged has its mean for both.
+/// share of them, if any has; `block_of` names the block of a pixel.
 pub(super) fn worst_and_mean(
     least_judged: f64,
     (judged, errors): (&[u32], &[f32]),
     block_px: u32,
     block_count: usize,
     block_of: impl Fn(u32) -> usize,
-) -> [f64; 2] {
+) -> (Option<f64>, f64) {
     if judged.is_empty() {
-        return [0.0; 2];
+        return (None, 0.0);
     }
     let mut blocks = vec![Block::default(); block_count];
     let mut sum = 0.0;
@@ -54,7 +54,7 @@ pub(super) fn worst_and_mean(
     let is_judged = |block: &&Block| block.judged_px as f64 >= least_px;
     let means = blocks.iter().filter(is_judged);
     let means = means.map(|block| block.flip / block.judged_px as f64);
-    [means.reduce(f64::max).unwrap_or(mean), mean]
+    (means.reduce(f64::max), mean)
 }
 
 /// The largest relative difference of what two pictures cover of a block of which the first covers a tenth or
@@ -100,11 +100,11 @@ mod tests {
         let judged = [0, 1, 2, 9];
         let block_of = |pixel: u32| (pixel / 2) as usize;
         let of = |block_px| worst_and_mean(0.25, (&judged, &errors), block_px, 5, block_of);
-        assert_eq!(of(2), [1.0, 0.5]);
+        assert_eq!(of(2), (Some(1.0), 0.5));
         // A quarter of 3 x 3 are more than two pixels: no block has them.
-        assert_eq!(of(3), [0.5, 0.5]);
+        assert_eq!(of(3), (None, 0.5));
         let none = worst_and_mean(0.25, (&[], &[]), 2, 5, block_of);
-        assert_eq!(none, [0.0, 0.0]);
+        assert_eq!(none, (None, 0.0));
     }
 
     /// Blocks of two pixels: 2 for 1 covered, then 1 for 2; then nothing for a twentieth of the block.

@@ -7,10 +7,11 @@ use super::blocks::ViewScores;
 /// By what the mean over the plant is multiplied to be held against its worst block.
 pub(super) const OF_MEAN: f64 = 1.75;
 
-/// By what the worst block of wood is multiplied: boughs within a crown are few pixels, and everyone misses them.
+/// By what the worst block of wood, or of spots, is multiplied: boughs and fruits within a crown are few pixels, and
+/// everyone misses them.
 const OF_WOOD: f64 = 0.45;
 
-/// Of how many views, those that show most, the worst block of wood is the mean.
+/// Of how many views, those that show most, the worst block of wood or spots is the mean.
 const WOOD_VIEWS: usize = 2;
 
 /// How far a level looks from its plant.
@@ -25,8 +26,8 @@ pub struct Difference {
     pub worst_block: f64,
     /// M: mean FLIP over the plant's pixels, 0 to 1.
     pub mean: f64,
-    /// W: mean FLIP over the wood of the worst block, of the two views that show most, 0 to 1; 0 where wood is not
-    /// known.
+    /// W: mean FLIP over the wood, or the spots of another colour such as fruits and flowers, of the worst block, of the
+    /// two views that show most, 0 to 1; 0 where there are none, or wood is not known.
     pub worst_wood: f64,
 }
 

@@ -8,9 +8,9 @@
 //! 3. *Backgrounds*: one drawing, composed by coverage in linear light on sRGB .92 and .08.
 //! 4. *Mask U*: coverage of a tenth or more in either picture, grown by 2 pixels. *FLIP*: at 67 pixels a degree.
 //! 5. *B* of a view: the [worst block](blocks) of mean FLIP over U. *M*: mean FLIP over U. Each on the worse
-//!    background. *W*: as B over pixels whose front surface is wood, in blocks with a twentieth of wood. *C*: the
-//!    largest relative difference of covered area in a block with a tenth of plant. Means over the views, W over the
-//!    two that show most of it.
+//!    background. *W*: as B over pixels whose front surface is wood, in blocks with a twentieth of wood, or over
+//!    [spots](spots) of another colour. *C*: the largest relative difference of covered area in a block with a tenth
+//!    of plant. Means over the views, W over the two that show most of it.
 //! 6. **difference = max(B, 1.75 M, .45 W)**, with C as its companion `block_coverage`.
 //!
 //! B, M and C were found on 97 pairs of plants and levels that were graded by eye; W on the 52 of them that the test
@@ -22,6 +22,7 @@ mod frame;
 mod mask;
 mod picture;
 mod plants;
+mod spots;
 
 use std::borrow::Borrow;
 use std::collections::BTreeMap;
@@ -85,9 +86,9 @@ pub(crate) fn of_picture(judged: &[u32], errors: &[f32], [width, height]: [usize
         |pixel: u32| pixel as usize / width / side * columns + pixel as usize % width / side;
     let count = columns * height.div_ceil(side);
     let least = blocks::LEAST_JUDGED;
-    let [worst, mean] =
+    let (worst, mean) =
         blocks::worst_and_mean(least, (judged, errors), side as u32, count, block_of);
-    worst.max(OF_MEAN * mean)
+    worst.unwrap_or(mean).max(OF_MEAN * mean)
 }
 
 /// From how many views a level is judged.

@@ -5,10 +5,11 @@ use std::sync::Arc;
 use secateur_model::Surface;
 
 use super::blocks::{
-    LEAST_JUDGED, LEAST_WOOD, ViewScores, largest_coverage_difference, worst_and_mean,
+    LEAST_JUDGED, LEAST_OF_PART, ViewScores, largest_coverage_difference, worst_and_mean,
 };
 use super::frame::Frame;
 use super::mask::{LEAST_COVERAGE, judged_pixels, near_difference};
+use super::spots::spots;
 use crate::cut_mask::CutMasks;
 use crate::flip::{CutOutFlip, FilteredCutOut, reach_px};
 use crate::render::{CutOut, CutOutRoles, draw_cut_out};
@@ -27,6 +28,8 @@ pub(super) struct PlantPicture {
     coverage: Vec<f32>,
     /// By pixel, the share of its samples that show wood.
     wood: Vec<f32>,
+    /// Which pixels show a flower, a fruit or the like.
+    spots: Vec<bool>,
     flip: CutOutFlip,
 }
 
@@ -57,6 +60,7 @@ impl PlantPicture {
         let filtered = FilteredCutOut::of(drawn.size, &drawn.rgb, &drawn.coverage);
         Self {
             flip: CutOutFlip::of(&filtered, &BACKGROUNDS),
+            spots: spots(&drawn.rgb, &drawn.coverage, drawn.size[0] as usize),
             rgb: drawn.rgb,
             coverage: drawn.coverage,
             wood: drawn.core,
@@ -100,18 +104,25 @@ impl PlantPicture {
         let [columns, rows] = frame.blocks();
         let block_of = |pixel: u32| frame.block_of(pixel);
         let is_wood = |pixel: &u32| self.wood[*pixel as usize] >= MOSTLY;
-        let wood: Vec<u32> = judged.iter().copied().filter(is_wood).collect();
+        let is_spot = |pixel: &u32| self.spots[*pixel as usize];
         let of_block = |least: f64, pixels: &[u32], errors: &[f32]| {
             let count = columns * rows;
             worst_and_mean(least, (pixels, errors), frame.block_px, count, block_of)
         };
         let (mut worst_block, mut mean, mut worst_wood) = (0.0f64, 0.0f64, 0.0f64);
         for errors in self.errors(level, &judged) {
-            let [worst, of_all] = of_block(LEAST_JUDGED, &judged, &errors);
-            let pairs = judged.iter().zip(&errors);
-            let of_wood = pairs.filter(|(pixel, _)| is_wood(pixel));
-            let of_wood: Vec<f32> = of_wood.map(|(_, error)| *error).collect();
-            worst_wood = worst_wood.max(of_block(LEAST_WOOD, &wood, &of_wood)[0]);
+            let (worst, of_all) = of_block(LEAST_JUDGED, &judged, &errors);
+            let of_part = |is_part: &dyn Fn(&u32) -> bool| {
+                let pairs = judged.iter().zip(&errors);
+                let (pixels, errors): (Vec<u32>, Vec<f32>) =
+                    pairs.filter(|(pixel, _)| is_part(pixel)).unzip();
+                of_block(LEAST_OF_PART, &pixels, &errors)
+            };
+            let (of_wood, all_wood) = of_part(&is_wood);
+            // Single spots of a pixel or two are not missed.
+            let of_spots = of_part(&is_spot).0.unwrap_or(0.0);
+            worst_wood = worst_wood.max(of_wood.unwrap_or(all_wood)).max(of_spots);
+            let worst = worst.unwrap_or(of_all);
             worst_block = worst_block.max(worst);
             mean = mean.max(of_all);
         }

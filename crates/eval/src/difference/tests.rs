@@ -152,8 +152,13 @@ fn plants_that_stand_apart_are_judged_each_alone() {
 /// Boughs within a crown are few pixels: without them little differs but what is wood.
 #[test]
 fn wood_within_a_crown_counts_by_itself() {
-    let plant = [trunk(0.06), leaves(GREEN, 1)];
-    let level = [leaves(GREEN, 1)];
+    let leaves = leaves(GREEN, 1);
+    let trunk = Surface {
+        material: Arc::clone(&leaves.material),
+        ..trunk(0.06)
+    };
+    let plant = [trunk, leaves.clone()];
+    let level = [leaves];
     let known = judged(&plant, &level, 200.0);
     let judge = DifferenceJudge::new(plant.to_vec(), &[]);
     let unknown = judge.difference(&level, 200.0, ViewCount::All);
@@ -227,4 +232,37 @@ fn what_is_thinner_than_a_pixel_is_thin() {
     // A pixel is a tenth, an eightieth and a tenth high.
     assert!(is_thin(0.03, 20.0) && !is_thin(0.1, 160.0));
     assert!(!is_thin(1.0, 20.0));
+}
+
+/// Fruits of side .1 before and behind the leaves, every `step`th of twelve.
+fn fruits(step: usize) -> Surface {
+    let fruit = |k: usize| {
+        let angle = 0.52 * k as f64;
+        let centre = DVec3::new(angle.sin(), 0.8 + 0.09 * k as f64, angle.cos());
+        let (x, y) = (
+            DVec3::new(angle.cos(), 0.0, -angle.sin()) * 0.05,
+            DVec3::Y * 0.05,
+        );
+        [
+            centre - x - y,
+            centre + x - y,
+            centre + x + y,
+            centre - x + y,
+        ]
+    };
+    let all: Vec<[DVec3; 4]> = (0..12).step_by(step).map(fruit).collect();
+    surface([0.6, 0.02, 0.02], &all)
+}
+
+#[test]
+fn fruits_that_are_gone_count_by_themselves() {
+    let leaves = [leaves(GREEN, 1), leaves(GREEN, 1)];
+    let all = [&leaves[..], &[fruits(1)]].concat();
+    let fewer = [&leaves[..], &[fruits(2)]].concat();
+    let judge = DifferenceJudge::new(all.clone(), &[]);
+    let of = |level: &[Surface], pixels_high| judge.difference(level, pixels_high, ViewCount::All);
+    let seen = of(&fewer, 400.0);
+    assert!(seen.worst_wood > 2.0 * seen.worst_block, "{seen:?}");
+    assert_eq!(of(&all, 400.0).worst_wood, 0.0);
+    assert_eq!(of(&fewer, 40.0).worst_wood, 0.0, "fruits of a pixel");
 }

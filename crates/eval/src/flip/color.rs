@@ -132,6 +132,16 @@ impl Colors {
     }
 }
 
+/// a* and b* of linear light as [`Colors::hunt_lab`] has them.
+pub(crate) fn chroma(light: impl Iterator<Item = [f32; 3]>) -> Vec<[f32; 2]> {
+    let colors = Colors::new();
+    let of = |rgb| {
+        let [_, a, b] = colors.hunt_lab(rgb);
+        [a, b]
+    };
+    light.map(of).collect()
+}
+
 /// What L*a*b* takes of parts of white's XYZ: cube roots, and a line where it is dark. Two steps of Halley's make
 /// the roots of a first guess exact to the last bit or two.
 fn lab_roots(parts: [f32; 3]) -> [f32; 3] {

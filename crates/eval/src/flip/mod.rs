@@ -14,6 +14,7 @@ mod filters;
 
 use image::RgbaImage;
 
+pub(crate) use color::chroma;
 use color::{ColorScale, Colors, HypotOf, power};
 pub(crate) use cut_out::{CutOutFlip, FilteredCutOut};
 pub(crate) use error_map::error_map;
