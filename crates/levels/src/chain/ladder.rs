@@ -205,8 +205,8 @@ impl<'a, 'm> Ladder<'a, 'm> {
         observer: &mut Observer<'_>,
     ) -> Result<Option<Tried>, ChainError> {
         let best = self.coarsest_so_shared(heights, steps.clone(), (first, None), observer)?;
-        // Of few pixels no sharing shows enough to be worth the time.
-        if heights[0] <= FAR_PX {
+        // Of few pixels no other sharing shows enough to be worth the time, unless so shared none does.
+        if heights[0] <= FAR_PX && best.is_some() {
             return Ok(best);
         }
         let next = best.map_or(steps.start, |(step, _)| step + BETTER_BY);

@@ -142,27 +142,32 @@ fn a_step_has_two_per_cent_fewer_triangles() {
     );
 }
 
-/// A grown tree of one leaf with a ball for a crown.
-fn ball_and_leaf() -> WholeTree {
-    const RINGS: u32 = 16;
-    let oak = grow(Species::Oak, &GrowOptions { leaves: 1, seed: 1 }).unwrap();
-    let high = |surface: &Surface| surface.positions.iter().map(|at| at.y).fold(0.0, f64::max);
-    let top = high(&oak.wood);
-    let mut ball = Surface::empty(Arc::clone(&oak.wood.material));
-    for ring in 0..=RINGS {
-        for side in 0..RINGS {
-            let turn = TAU * f64::from(side) / f64::from(RINGS);
-            let (out, up) = (0.5 * TAU * f64::from(ring) / f64::from(RINGS)).sin_cos();
+/// A ball of this many rings, as many sides and such a radius about a point.
+fn ball(centre: DVec3, radius: f64, rings: u32, like: &Surface) -> Surface {
+    let mut ball = Surface::empty(Arc::clone(&like.material));
+    for ring in 0..=rings {
+        for side in 0..rings {
+            let turn = TAU * f64::from(side) / f64::from(rings);
+            let (out, up) = (0.5 * TAU * f64::from(ring) / f64::from(rings)).sin_cos();
             let on_ball = DVec3::new(out * turn.cos(), up, out * turn.sin());
-            ball.positions.push(top * (DVec3::Y + 0.5 * on_ball));
+            ball.positions.push(centre + radius * on_ball);
         }
     }
-    for (ring, side) in (0..RINGS).flat_map(|ring| (0..RINGS).map(move |side| (ring, side))) {
-        let corner = |ring: u32, side: u32| ring * RINGS + side % RINGS;
+    for (ring, side) in (0..rings).flat_map(|ring| (0..rings).map(move |side| (ring, side))) {
+        let corner = |ring: u32, side: u32| ring * rings + side % rings;
         let [a, b] = [side, side + 1].map(|side| corner(ring, side));
         let [c, d] = [side, side + 1].map(|side| corner(ring + 1, side));
         ball.triangles.extend([[a, b, c], [b, d, c]]);
     }
+    ball
+}
+
+/// A grown tree of one leaf with a ball for a crown.
+fn ball_and_leaf() -> WholeTree {
+    let oak = grow(Species::Oak, &GrowOptions { leaves: 1, seed: 1 }).unwrap();
+    let high = |surface: &Surface| surface.positions.iter().map(|at| at.y).fold(0.0, f64::max);
+    let top = high(&oak.wood);
+    let ball = ball(top * DVec3::Y, 0.5 * top, 16, &oak.wood);
     let leaves = format!("material:{}", oak.leaves.material.name);
     let all = [(ball, false), (oak.wood, false), (oak.leaves, true)];
     let document = Document::from_bytes("tree.glb", surfaces_to_glb("tree", &all), None).unwrap();
@@ -187,4 +192,37 @@ fn a_solid_crown_is_collapsed_evenly_unless_levels_are_nested() {
     let usual = secateur_simplify::Effort::Normal.work().sharings.to_vec();
     assert_eq!(sharings(false), [&[Sharing::Evenly], &usual[..]].concat());
     assert_eq!(sharings(true), usual);
+}
+
+/// A bush, a ball of few triangles, with berries that have most of all.
+fn bush_with_berries() -> WholeTree {
+    let oak = grow(Species::Oak, &GrowOptions { leaves: 1, seed: 1 }).unwrap();
+    let bush = ball(DVec3::Y, 1.0, 8, &oak.wood);
+    let mut all = vec![(bush, false)];
+    for k in 0..17 {
+        let (turn, up) = (2.4 * f64::from(k), f64::from(k) / 8.5 - 0.95);
+        let out = (1.0 - up * up).sqrt();
+        let at = DVec3::new(out * turn.cos(), 1.0 + up, out * turn.sin());
+        all.push((ball(at, 0.04, 4, &oak.wood), false));
+    }
+    let glb = surfaces_to_glb("bush", &all);
+    let document = Document::from_bytes("bush.glb", glb, None).unwrap();
+    document.into_whole_tree(&[]).unwrap()
+}
+
+/// Even collapses take as much from a bush as from its berries.
+#[test]
+fn far_off_another_sharing_is_tried_where_the_first_has_no_level() {
+    let (tree, engine) = (bush_with_berries(), OpenEngine::cpu());
+    let options = ChainOptions {
+        max_difference: 0.35,
+        ..options(&[20.0])
+    };
+    let maker = Maker::new(&tree, &options, &engine).unwrap();
+    let client = maker.client();
+    let mut ladder = Ladder::new(&maker, &client);
+    let even = ladder.coarsest_so_shared(&[60.0], 50..ladder.steps, (50, None), &mut go_on);
+    assert_eq!(even.unwrap(), None);
+    let found = ladder.lightest(&[60.0], 30.0, (50, true), &mut go_on);
+    assert!(found.unwrap().is_some() && ladder.sharing != 0);
 }
