@@ -26,8 +26,8 @@ pub struct Difference {
     pub worst_block: f64,
     /// M: mean FLIP over the plant's pixels, 0 to 1.
     pub mean: f64,
-    /// W: mean FLIP over the wood, or the spots of another colour such as fruits and flowers, of the worst block, of the
-    /// two views that show most, 0 to 1; 0 where there are none, or wood is not known.
+    /// W: mean FLIP over the wood of the worst block, or over its spots of another colour such as fruits and flowers,
+    /// whichever is more; of the two views that show most, 0 to 1; 0 where there are no spots and wood is not known.
     pub worst_wood: f64,
 }
 

@@ -62,7 +62,8 @@ const GLANCE_VIEWS: usize = 2;
 /// Where eyes stand, in radii of the plant's bounding sphere.
 const RADII: f64 = 3.0;
 
-/// What is thinner than a pixel covers less than this of those that it touches, in the mean.
+/// What is thinner than a pixel covers less than this of the pixels that it touches, in the mean. Of public plants,
+/// 16 pixels high, bare trees cover .33 to .44, sparse grass .39, bushes of thin leaves .51, solid ones .56 and more.
 const MOST_OF_THIN: f64 = 0.5;
 
 /// After how many views a level may be given up: enough for what is far beyond the limits.

@@ -2,24 +2,23 @@
 
 use crate::flip::chroma;
 
-/// A pixel has another colour where its chroma is so far from the mean of the plant.
+/// A pixel has another colour where its chroma, a* and b*, is so far from the mean of the plant. Red berries on a green
+/// bush, yellow anthers on a pink blossom are; other distances were not tried.
 const ANOTHER_COLOR: f32 = 25.0;
 
-/// Of more of the plant's pixels than this another colour is one of its own.
+/// Of more of the plant's pixels than this share another colour is one of its own, such as that of bark or a pot. Others
+/// were not tried.
 const MOST_SPOTS: f64 = 0.2;
 
 /// A pixel shows the plant where this share of it does.
 const MOSTLY: f32 = 0.5;
 
-/// The pixels that show another colour than most of the plant does, as all pixels beside them do: by pixel, in rows of
-/// `width`. `rgb`: linear, times coverage.
+/// By pixel, in rows of `width`, whether it and the eight about it show another colour than most of the plant does.
+/// `rgb`: linear, times coverage.
 pub(super) fn spots(rgb: &[[f32; 3]], coverage: &[f32], width: usize) -> Vec<bool> {
     let shown: Vec<usize> = (0..rgb.len()).filter(|k| coverage[*k] >= MOSTLY).collect();
-    let colors = chroma(
-        shown
-            .iter()
-            .map(|k| rgb[*k].map(|light| light / coverage[*k])),
-    );
+    let light_of = |k: &usize| rgb[*k].map(|light| light / coverage[*k]);
+    let colors = chroma(shown.iter().map(light_of));
     let count = shown.len() as f64;
     let mean = [0, 1].map(|axis| {
         let sum: f64 = colors.iter().map(|color| f64::from(color[axis])).sum();

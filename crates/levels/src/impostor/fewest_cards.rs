@@ -46,8 +46,8 @@ const COARSEST_PX: f64 = 2.0;
 /// Lengths of a texel in pixels that are tried once cards are found, until one does: the screen shows no finer ones.
 const COARSER_PX: [f64; 3] = [1.0, 0.5, 0.25];
 
-/// From this height in pixels down all pieces of stems have two cards. A crown has few layers there; where it has many,
-/// as many more layers look nearer than as many second cards.
+/// From this height in pixels down all pieces of stems have two cards. A crown has few layers there; where it has
+/// hundreds, more layers look nearer than second cards.
 const STEMS_CROSS_PX: f64 = 32.0;
 
 /// Cards are made darker or brighter in steps of this, as long as they look nearer.
@@ -205,7 +205,7 @@ impl<'a> Seen<'a> {
 /// A search for the fewest cards of a plant, at one place after another.
 pub struct Search<'a> {
     surfaces: &'a [Surface],
-    /// By their number, and whether stems have two that cross.
+    /// By the number of layers, and whether stems have two cards that cross.
     sorted: BTreeMap<(usize, bool), Cards<'a, Surface>>,
     /// Cards for the pictures of a search, by their height in pixels, step and most bytes.
     rough: BTreeMap<(u64, usize, u64), Impostor>,
@@ -310,9 +310,9 @@ impl<'a> Search<'a> {
         Ok(None)
     }
 
-    /// The last of the first `all` steps whose cards are within the limits, how many times the limits it is in the
-    /// pictures of a search, and in its own. Where a plant is thin, steps before it are tried as long as they look nearer:
-    /// many small pictures of twigs lose more than fewer large ones.
+    /// The last of the first `all` steps whose cards are within the limits; how many times the limits they are in the
+    /// pictures of a search, and as they will stand. Where a plant is thin, fewer cards are tried as long as they look
+    /// nearer: many small pictures of twigs lose more than a few large ones.
     fn most_within(
         &mut self,
         (mut all, most): (usize, usize),
@@ -399,8 +399,8 @@ impl<'a> Search<'a> {
         Ok(Some(enough.0))
     }
 
-    /// The least step that is within the limits, as the last one is, as it will stand there: what of a twig's picture is
-    /// left hangs on its cutoff.
+    /// The least step whose cards are within the limits as they will stand, as those of `last` are. Rough cards do not
+    /// tell that of twigs, of which the cutoff decides how much is left.
     fn fewest_finished(
         &mut self,
         last: usize,

@@ -249,6 +249,8 @@ fn layer<'a>(members: Vec<u32>, facet: impl Fn(u32) -> &'a Facet) -> Layer {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::TAU;
+
     use super::*;
 
     /// Squares of side .1 at places of a plane, each of two triangles.
@@ -319,42 +321,37 @@ mod tests {
         assert!(layers(&[], 5).is_empty());
     }
 
-    /// A box of these sides, closed.
-    fn body(sides: DVec3) -> Vec<Facet> {
-        let corner = |k: usize| {
-            let side = |bit: usize| (k >> bit & 1) as f64;
-            sides * DVec3::new(side(0), side(1), side(2))
+    /// A tube without ends, of this width and depth, 1 high.
+    fn tube(width: f64, depth: f64) -> Vec<Facet> {
+        let corner = |side: u32, y: f64| {
+            let (sin, cos) = (f64::from(side) * TAU / 8.0).sin_cos();
+            DVec3::new(width / 2.0 * cos, y, depth / 2.0 * sin)
         };
-        let squares = [
-            [0, 1, 3, 2],
-            [4, 5, 7, 6],
-            [0, 1, 5, 4],
-            [2, 3, 7, 6],
-            [0, 2, 6, 4],
-            [1, 3, 7, 5],
-        ];
-        let triangles = squares
-            .iter()
-            .flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]);
-        let facet = |(t, corners): (usize, [usize; 3])| {
-            Facet::new([0, t as u32], corners.map(corner), false)
+        let square = |k: u32| {
+            let [a, b] = [k, k + 1].map(|side| corner(side, 0.0));
+            let [c, d] = [k, k + 1].map(|side| corner(side, 1.0));
+            [[a, b, c], [b, d, c]]
         };
-        triangles.enumerate().filter_map(facet).collect()
+        let facet = |(t, corners): (usize, [DVec3; 3])| Facet::new([0, t as u32], corners, false);
+        (0..8)
+            .flat_map(square)
+            .enumerate()
+            .filter_map(facet)
+            .collect()
     }
 
     #[test]
     fn stems_are_long_and_round() {
         let is_stem = |facets: &[Facet]| layers(facets, 1)[0].is_stem;
-        assert!(is_stem(&body(DVec3::new(0.1, 1.0, 0.1))));
-        assert!(!is_stem(&body(DVec3::new(0.6, 1.0, 0.6))), "a boulder");
-        assert!(!is_stem(&body(DVec3::new(0.1, 1.0, 0.01))), "a board");
-        let leaves = body(DVec3::new(0.1, 1.0, 0.1)).into_iter();
-        let leaves: Vec<Facet> = leaves
-            .map(|facet| Facet {
-                is_flat: true,
-                ..facet
-            })
-            .collect();
+        assert!(is_stem(&tube(0.1, 0.1)));
+        assert!(!is_stem(&tube(0.8, 0.8)), "a stump");
+        assert!(!is_stem(&tube(0.1, 0.01)), "a board");
+        let leaves = tube(0.1, 0.1).into_iter();
+        let leaves = leaves.map(|facet| Facet {
+            is_flat: true,
+            ..facet
+        });
+        let leaves: Vec<Facet> = leaves.collect();
         assert!(!is_stem(&leaves), "leaves along a stem");
     }
 }

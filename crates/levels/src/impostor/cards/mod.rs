@@ -437,6 +437,29 @@ mod tests {
         }
     }
 
+    /// Two sticks of one area: neither has more than layers have in the mean.
+    #[test]
+    fn stems_have_two_cards_where_they_are_to_cross() {
+        let stick = |x: f64| {
+            let mut stick = square(DVec3::ZERO, [0.3, 0.2, 0.1, 1.0]);
+            Arc::make_mut(&mut stick.material).double_sided = false;
+            let corners = [[0.0, 0.0], [0.1, 0.0], [0.0, 0.1]];
+            stick.positions = [0.0, 1.0]
+                .iter()
+                .flat_map(|y| corners.map(|[dx, z]| DVec3::new(x + dx, *y, z)))
+                .collect();
+            stick.normals = vec![Vec3::X; 6];
+            stick.triangles = [[0, 1], [1, 2], [2, 0]]
+                .iter()
+                .flat_map(|[a, b]| [[*a, *b, a + 3], [*b, b + 3, a + 3]])
+                .collect();
+            stick
+        };
+        let surfaces = [stick(0.0), stick(9.0)];
+        assert_eq!(Cards::new(&surfaces, 2).count(), 2);
+        assert_eq!(Cards::with_crossed_stems(&surfaces, 2).count(), 4);
+    }
+
     /// From wherever a trunk is seen, one of its cards does not stand on edge.
     #[test]
     fn a_trunk_has_two_cards_that_cross() {
