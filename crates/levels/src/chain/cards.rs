@@ -100,13 +100,14 @@ impl Maker<'_> {
     }
 
     /// Cards from the first of some of these heights on at which some are within the difference, there and at all that
-    /// follow, save a third of the cost of the mesh there, and triangles or textures, and cost no more than the lightest; and fewer of them from
-    /// each that follows where that saves a third again. Their normals have half as many texels a side where these do
-    /// as well. Where the plant is far, they have no more triangles than it covers pixels, if no mesh that begins there has
-    /// more.
+    /// follow, cost less than a mesh that begins there and a third less than one that goes on, save triangles or textures,
+    /// and cost no more than the lightest; and fewer of them from each that follows where that saves a third again. Their
+    /// normals have half as many texels a side where these do as well. Where the plant is far, they have no more triangles
+    /// than it covers pixels, unless what is drawn there without them has more: cards before, or, if `is_sought` says that
+    /// there is no other, a mesh.
     pub(super) fn cards(
         &self,
-        placed: &[Placed],
+        (placed, is_sought): (&[Placed], bool),
         (heights, places): (&[f64], Range<usize>),
         before: &[PlacedImpostor],
         search: &mut CardSearch<'_>,
@@ -123,24 +124,30 @@ impl Maker<'_> {
             if !search.cards.has_room(&seen) {
                 continue;
             }
+            let beside = drawn_at(placed, *height);
+            let begins_here = beside.is_some_and(|mesh| mesh.begins() == *height);
             let most_cost = match all.last() {
                 Some(cards) => MOST_OF_BEFORE * self.cost_of_impostor(&cards.level.impostor),
-                None => {
-                    let there = self.cost_beside(drawn_at(placed, *height));
-                    lightest.min(MOST_OF_BEFORE * there)
+                // It stands in the place of that mesh.
+                None if begins_here => {
+                    let nearer = placed.iter().rev().find(|mesh| mesh.begins() > *height);
+                    lightest.min(MOST_OF_BEFORE * self.cost_beside(nearer))
                 }
+                None => lightest.min(MOST_OF_BEFORE * self.cost_beside(beside)),
             };
-            let beside = drawn_at(placed, *height);
             let mut most_triangles = self.triangles_for(most_cost);
             if self.texture_bytes_beside(beside) == 0 {
                 let of_mesh = self.triangles_beside(beside.map(|mesh| &mesh.made));
                 most_triangles = most_triangles.min(of_mesh as f64);
             }
             if *height <= FAR_PX {
+                let without = match all.last() {
+                    Some(cards) => cards.level.impostor.surface.triangles.len(),
+                    None if is_sought => self.triangles_beside(beside.map(|mesh| &mesh.made)),
+                    None => 0,
+                };
                 let covered = self.look.covered_px(*height);
-                let of_mesh = placed.iter().find(|mesh| mesh.begins() == *height);
-                let of_mesh = of_mesh.map_or(0.0, |mesh| mesh.triangles() as f64);
-                most_triangles = most_triangles.min(covered.max(of_mesh));
+                most_triangles = most_triangles.min(covered.max(without as f64));
             }
             let most = (most_triangles / 2.0) as usize;
             let covering = Covering::new(client, [*height, end_of(*height, None)]);
@@ -172,10 +179,10 @@ impl Maker<'_> {
         Ok(all.split_off(before.len()))
     }
 
-    /// Cards from this one of the heights on, and fewer from those that follow; none if none do there.
+    /// [`Self::cards`] from this one of the heights on, and fewer from those that follow; none if none do there.
     pub(super) fn far_cards(
         &self,
-        placed: &[Placed],
+        placed: (&[Placed], bool),
         (heights, place): (&[f64], usize),
         search: &mut CardSearch<'_>,
         client: &Client<'_>,

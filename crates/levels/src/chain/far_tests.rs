@@ -176,6 +176,49 @@ fn no_impostor_has_more_triangles_and_more_textures_than_the_plant() {
     assert_eq!(triangles.max(), Some(16));
 }
 
+/// A row of firs has no mesh of as few triangles as the few pixels that it covers: fewer cards than such a mesh has stand
+/// there, though more than pixels.
+#[test]
+fn cards_stand_where_what_is_drawn_has_more_triangles_than_pixels() {
+    let oak = grown(Species::Oak, 1);
+    let bark = oak.items().drawn(Detail::Color).unwrap().swap_remove(0);
+    let mut firs = Surface::empty(Arc::clone(&bark.surface.material));
+    let material = Arc::make_mut(&mut firs.material);
+    (material.base_color, material.texture) = ([0.1, 0.4, 0.1, 1.0], None);
+    (material.alpha_mode, material.double_sided) = (AlphaMode::Opaque, true);
+    for (fir, tier) in (0..40).flat_map(|fir| [0, 1, 2].map(|tier| (fir, tier))) {
+        let (foot, first) = (f64::from(tier), firs.positions.len() as u32);
+        let middle = DVec3::new(0.3 * f64::from(fir % 3), foot, 0.6 * f64::from(fir));
+        let rim = (0..8).map(|k| {
+            let angle = TAU * f64::from(k) / 8.0;
+            middle + (1.2 - 0.3 * foot) * DVec3::new(angle.sin(), 0.0, angle.cos())
+        });
+        firs.positions
+            .extend([middle + 1.6 * DVec3::Y, middle].into_iter().chain(rim));
+        for k in 0..8 {
+            let [a, b] = [first + 2 + k, first + 2 + (k + 1) % 8];
+            firs.triangles.extend([[first, a, b], [first + 1, b, a]]);
+        }
+    }
+    let all = firs.triangles.len() as u64;
+    let document =
+        Document::from_bytes("firs.glb", surfaces_to_glb("firs", &[(firs, false)]), None);
+    let tree = document.unwrap().into_whole_tree(&[]).unwrap();
+    let options = ChainOptions {
+        max_difference: 0.28,
+        ..far_options()
+    };
+    let engine = OpenEngine::cpu();
+    let made = chain(&tree, &options, &engine, &mut go_on).unwrap();
+    let last = made.levels.last().unwrap();
+    let covered = Maker::new(&tree, &options, &engine)
+        .unwrap()
+        .look
+        .covered_px(last.pixels_high);
+    assert_eq!(last.kind, LevelKind::Impostor);
+    assert!(last.triangles as f64 > covered && 4 * last.triangles < all);
+}
+
 /// The first level keeps the normal map of its bark, as it is seen from near by; one of few pixels gets a smaller one, and
 /// takes less memory.
 #[test]

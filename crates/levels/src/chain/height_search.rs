@@ -67,7 +67,7 @@ pub(super) fn lightest(
         Progress::Level { done, of }.tell(observer)?;
         let is_far = search.is_far(place);
         if is_far && place >= may_have_cards {
-            far = search.far_cards(place, observer)?;
+            far = search.far_cards((place, false), observer)?;
             if !far.is_empty() {
                 break;
             }
@@ -76,10 +76,10 @@ pub(super) fn lightest(
         match search.sought(place, observer)? {
             Some(sought) => {
                 let found = search.serving_before(sought, place, observer)?;
-                let is_dense = is_far && found.place == place && search.is_dense(&found);
+                let begins_here = found.place == place;
                 search.found.push(found);
-                if is_dense {
-                    far = search.far_cards(place, observer)?;
+                if is_far && begins_here && search.is_dense(place) {
+                    far = search.far_cards((place, true), observer)?;
                     if !far.is_empty() {
                         search.found.pop();
                         break;
@@ -90,6 +90,12 @@ pub(super) fn lightest(
                 if let Some(earlier) = search.sought_again(place) {
                     place = earlier;
                     continue;
+                }
+                if is_far && search.is_dense(place) {
+                    far = search.far_cards((place, true), observer)?;
+                    if !far.is_empty() {
+                        break;
+                    }
                 }
             }
         }
@@ -128,23 +134,25 @@ impl<'a, 'm, 'c> HeightSearch<'a, 'm, 'c> {
         choice == Choice::Auto && self.heights[place] <= FAR_PX
     }
 
-    /// Whether a level has more triangles than the plant covers pixels where it begins.
-    fn is_dense(&self, found: &FoundLevel) -> bool {
-        let covered_px = self.maker.look.covered_px(self.heights[found.place]);
-        found.level.triangles() as f64 > covered_px
+    /// Whether what is drawn at a place has more triangles than the plant covers pixels there.
+    fn is_dense(&self, place: usize) -> bool {
+        let drawn = self.found.last().map(|found| &found.level.made);
+        let covered_px = self.maker.look.covered_px(self.heights[place]);
+        self.maker.triangles_beside(drawn) as f64 > covered_px
     }
 
-    /// Cards from a place on, beside the levels that were found.
+    /// Cards from a place on, beside the levels that were found; whether a level was sought at that place.
     fn far_cards(
         &mut self,
-        place: usize,
+        (place, is_sought): (usize, bool),
         observer: &mut Observer<'_>,
     ) -> Result<Vec<PlacedImpostor>, ChainError> {
         let meshes = self.found.iter().map(|found| found.level.clone());
         let meshes: Vec<Placed> = meshes.collect();
         let at = (&self.heights[..], place);
+        let meshes = (&meshes[..], is_sought);
         self.maker
-            .far_cards(&meshes, at, self.cards, self.client, observer)
+            .far_cards(meshes, at, self.cards, self.client, observer)
     }
 
     fn end_px(&self, place: usize) -> f64 {

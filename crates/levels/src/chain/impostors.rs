@@ -92,7 +92,8 @@ impl Maker<'_> {
             let far = far.first().map_or(0.0, |far| far.begins_px);
             let count = heights.iter().filter(|height| **height > far).count();
             let before = near.min(count)..count;
-            found.extend(self.cards(placed, (&heights, before), &[], search, client, observer)?);
+            let at = (&heights[..], before);
+            found.extend(self.cards((placed, true), at, &[], search, client, observer)?);
         }
         for cards in far {
             let is_last = of_last.is_some() && cards.begins_px <= last.0;

@@ -178,7 +178,7 @@ fn cards_whose_switch_shows_too_much_are_not_chosen() {
         let client = maker.client();
         let places = (&heights[..], 1..heights.len());
         let mut search = CardSearch::new(maker);
-        let found = maker.cards(&made, places, &[], &mut search, &client, &mut go_on);
+        let found = maker.cards((&made, true), places, &[], &mut search, &client, &mut go_on);
         found.unwrap()
     };
     let pop_after_mesh = |cards: &PlacedImpostor| {
@@ -199,6 +199,33 @@ fn cards_whose_switch_shows_too_much_are_not_chosen() {
     };
     assert_eq!(later.begins_px, heights[2]);
     assert!(pop_after_mesh(later) <= most);
+}
+
+/// Where a mesh begins there is a switch in any case: cards that cost less stand in its place. In the place of one that goes
+/// on they must save a third.
+#[test]
+fn cards_need_to_cost_less_than_a_mesh_that_begins_there() {
+    let (tree, engine) = (oak(), engine());
+    let options = options(&DISTANCES);
+    let maker = Maker::new(&tree, &options, &engine).unwrap();
+    let heights = heights(&maker);
+    let first = |made: &[Placed]| {
+        let client = maker.client();
+        let at = (&heights[..2], 1..2);
+        let mut search = CardSearch::new(&maker);
+        let found = maker.cards((made, true), at, &[], &mut search, &client, &mut go_on);
+        let found = found.unwrap();
+        found
+            .first()
+            .map(|cards| cards.level.impostor.surface.triangles.len())
+    };
+    let near = mesh(&maker, 700, heights[0]);
+    let fewest = first(std::slice::from_ref(&near)).unwrap();
+    let little_more = fewest + fewest / 6;
+    let begins = mesh(&maker, little_more, heights[1]);
+    assert!(begins.triangles() > fewest, "{fewest}");
+    assert_eq!(first(&[near, begins]), Some(fewest));
+    assert_eq!(first(&[mesh(&maker, little_more, heights[0])]), None);
 }
 
 /// Cards that go because of the bound leave the meshes in whose place they stood, and others may follow these.

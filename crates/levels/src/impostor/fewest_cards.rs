@@ -40,6 +40,10 @@ const SEARCH_PX: f64 = 128.0;
 /// What is this many times beyond the limits in the pictures of a search is so in those of its size.
 const HOPELESS: f64 = 1.2;
 
+/// Up to this height in pixels all cards that are tried are as they will stand: rough ones do not tell how many of them
+/// are enough.
+const FINISHED_PX: f64 = 32.0;
+
 /// The most pixels that a texel of cards may be long where they begin to be seen: longer ones look blurred.
 const COARSEST_PX: f64 = 2.0;
 
@@ -278,7 +282,11 @@ impl<'a> Search<'a> {
             // Nothing is seen of the plant, or no difference.
             false => 1.0,
         };
-        let step = match seen.is_thin && seen.pixels_high <= SEARCH_PX {
+        let most_px = match seen.is_thin {
+            true => SEARCH_PX,
+            false => FINISHED_PX,
+        };
+        let step = match seen.pixels_high <= most_px {
             true => Some(self.fewest_finished(last, (seen, texels), &finish, observer)?),
             false => self.fewest_rough((last, of_last), seen, most_over, observer)?,
         };
