@@ -151,6 +151,12 @@ impl Lod {
         self.made.iter().flatten().map(|m| (&m.leaf, m.area_scale))
     }
 
+    /// Changes the leaves that were made and are left, in the order of their making.
+    pub fn change_made(&mut self, change: impl FnMut(&mut NewLeaf)) {
+        let left = self.made.iter_mut().flatten();
+        left.map(|made| &mut made.leaf).for_each(change);
+    }
+
     /// The level of two foliages one after the other: this one's leaves, then the other's.
     ///
     /// Leaves that were made keep their shapes; their donors and the corners that they name are

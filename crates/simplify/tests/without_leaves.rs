@@ -78,6 +78,48 @@ fn a_plant_without_leaves_has_levels() {
     }
 }
 
+/// Of a ball that few triangles are left of, a front and a back may be: they do not hide each other.
+#[test]
+fn no_two_faces_of_a_flattened_body_are_in_one_place() {
+    let (mut wood, leaves) = (Foliage::default(), Foliage::default());
+    let heights = (0..12).map(f64::from);
+    for (height, radius) in heights.map(|k| (1.5 + k, 0.4)).chain([(0.5, 0.5)]) {
+        wood.push_leaf(&ball(height * DVec3::Y, radius), None)
+            .unwrap();
+    }
+    let engine = OpenEngine::cpu();
+    let plant = WholePlant::new(&wood, &leaves, &wood, &engine).unwrap();
+    let options = Options::with_preset(Preset::Look, Target::triangle_share(1.0));
+    let mut flat = 0;
+    for sharing in [Sharing::ByNumber, Sharing::Evenly] {
+        for triangles in [60, 40, 26] {
+            let budget = Budget { triangles, sharing };
+            let mut go_on = |_| ControlFlow::Continue(());
+            let level = plant.level(budget, &options, &engine, None, &mut go_on);
+            let left = level.unwrap().wood.foliage(&wood);
+            let pieces = (0..left.leaves().len()).map(LeafId::from_index);
+            flat += pieces
+                .filter(|piece| left.triangles_of(*piece).len() == 2)
+                .count();
+            let mut places: Vec<[[u64; 3]; 3]> = left
+                .triangles()
+                .iter()
+                .map(|t| {
+                    let mut places = t.corners.map(|at| at.to_array().map(f64::to_bits));
+                    places.sort();
+                    places
+                })
+                .collect();
+            places.sort();
+            assert!(
+                places.windows(2).all(|pair| pair[0] != pair[1]),
+                "{triangles}, {sharing:?}"
+            );
+        }
+    }
+    assert!(flat > 0);
+}
+
 /// A curved sheet of 200 triangles from x on, one unit wide and high.
 fn sheet(x: f64) -> Vec<LeafTriangle> {
     const SIDE: usize = 10;

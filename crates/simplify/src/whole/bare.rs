@@ -9,6 +9,7 @@ use super::{Budget, Sharing, WholeLevel, WholePlant};
 use crate::observe::observe;
 use crate::passes::Passes;
 use crate::stage::Observer;
+use crate::wood::sides_apart;
 use crate::{Error, Options, Shared, Simplified, Stopped, Views, Warning, sphere_of};
 
 /// Width of the pictures in pixels, which show nothing.
@@ -50,6 +51,7 @@ impl WholePlant<'_> {
                 wood.lod
             }
         };
+        let lod = sides_apart(&self.wood, lod);
         Ok(WholeLevel {
             leaves,
             wood_gone: Vec::new(),

@@ -6,6 +6,7 @@ use secateur_raster::OpenEngine;
 
 use super::{Budget, Sharing, WholeLevel, WholePlant};
 use crate::stage::Observer;
+use crate::wood::sides_apart;
 use crate::{Error, Options, Shared, Target, simplify_sharing};
 
 impl WholePlant<'_> {
@@ -27,7 +28,8 @@ impl WholePlant<'_> {
     pub(super) fn solid_wood_of(&self, budget: Budget) -> Option<Lod> {
         let most = || self.wood_budget_bearing(&[], budget);
         let wood = self.has_solid_crown.then(most);
-        self.levels.evenly(&self.wood, wood?)
+        let even = self.levels.evenly(&self.wood, wood?)?;
+        Some(sides_apart(&self.wood, even))
     }
 
     /// The plant of a budget with this wood.

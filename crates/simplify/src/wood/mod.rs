@@ -14,6 +14,7 @@ mod charts;
 mod crown;
 mod distance;
 mod evenly;
+mod flattened;
 mod forks;
 mod fullness;
 mod gaps;
@@ -41,6 +42,7 @@ use secateur_raster::ViewSet;
 
 use bearing::{Bearing, Borne, Needs, needs};
 pub(crate) use crown::crown_and_rest;
+pub(crate) use flattened::sides_apart;
 pub(crate) use gaps::SortedWood;
 pub use gaps::{hanging_on, leaf_gaps, leaf_wood_gaps, wood_gaps};
 pub use holds::{FoundHolds, found_holds};
