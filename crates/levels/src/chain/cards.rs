@@ -128,7 +128,7 @@ impl Maker<'_> {
             let begins_here = beside.is_some_and(|mesh| mesh.begins() == *height);
             let most_cost = match all.last() {
                 Some(cards) => MOST_OF_BEFORE * self.cost_of_impostor(&cards.level.impostor),
-                // It stands in the place of that mesh.
+                // They stand in the place of that mesh, and follow the one before.
                 None if begins_here => {
                     let nearer = placed.iter().rev().find(|mesh| mesh.begins() > *height);
                     lightest.min(MOST_OF_BEFORE * self.cost_beside(nearer))

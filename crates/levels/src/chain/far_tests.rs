@@ -4,8 +4,9 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use glam::DVec3;
+use secateur_eval::Limits;
 use secateur_gltf::chain::LevelTexture;
-use secateur_gltf::{Detail, Document, surfaces_to_glb};
+use secateur_gltf::{Detail, Document, WholeTree, surfaces_to_glb};
 use secateur_model::{AlphaMode, Filters, NormalMap, Surface, Texture, Wrap};
 use secateur_plant::{GrowOptions, Species};
 use secateur_raster::OpenEngine;
@@ -13,6 +14,7 @@ use secateur_raster::OpenEngine;
 use super::tests::{go_on, grown, grown_from, options};
 use super::*;
 use crate::impostor::Choice;
+use crate::impostor::fewest_cards::{self, Search, Seen};
 
 /// Heights of a plant that is far, in pixels.
 const FAR: [f64; 3] = [64.0, 32.0, 16.0];
@@ -176,34 +178,39 @@ fn no_impostor_has_more_triangles_and_more_textures_than_the_plant() {
     assert_eq!(triangles.max(), Some(16));
 }
 
-/// A row of firs has no mesh of as few triangles as the few pixels that it covers: fewer cards than such a mesh has stand
-/// there, though more than pixels.
-#[test]
-fn cards_stand_where_what_is_drawn_has_more_triangles_than_pixels() {
+/// A row of low-poly firs, solid and without leaves; and how many triangles it has.
+fn firs(count: u32) -> (WholeTree, u64) {
     let oak = grown(Species::Oak, 1);
     let bark = oak.items().drawn(Detail::Color).unwrap().swap_remove(0);
     let mut firs = Surface::empty(Arc::clone(&bark.surface.material));
     let material = Arc::make_mut(&mut firs.material);
     (material.base_color, material.texture) = ([0.1, 0.4, 0.1, 1.0], None);
     (material.alpha_mode, material.double_sided) = (AlphaMode::Opaque, true);
-    for (fir, tier) in (0..40).flat_map(|fir| [0, 1, 2].map(|tier| (fir, tier))) {
+    for (fir, tier) in (0..count).flat_map(|fir| [0, 1, 2].map(|tier| (fir, tier))) {
         let (foot, first) = (f64::from(tier), firs.positions.len() as u32);
         let middle = DVec3::new(0.3 * f64::from(fir % 3), foot, 0.6 * f64::from(fir));
         let rim = (0..8).map(|k| {
             let angle = TAU * f64::from(k) / 8.0;
             middle + (1.2 - 0.3 * foot) * DVec3::new(angle.sin(), 0.0, angle.cos())
         });
-        firs.positions
-            .extend([middle + 1.6 * DVec3::Y, middle].into_iter().chain(rim));
+        firs.positions.extend([middle + 1.6 * DVec3::Y, middle]);
+        firs.positions.extend(rim);
         for k in 0..8 {
             let [a, b] = [first + 2 + k, first + 2 + (k + 1) % 8];
             firs.triangles.extend([[first, a, b], [first + 1, b, a]]);
         }
     }
-    let all = firs.triangles.len() as u64;
-    let document =
-        Document::from_bytes("firs.glb", surfaces_to_glb("firs", &[(firs, false)]), None);
-    let tree = document.unwrap().into_whole_tree(&[]).unwrap();
+    let triangles = firs.triangles.len() as u64;
+    let glb = surfaces_to_glb("firs", &[(firs, false)]);
+    let document = Document::from_bytes("firs.glb", glb, None).unwrap();
+    (document.into_whole_tree(&[]).unwrap(), triangles)
+}
+
+/// A row of firs has no mesh of as few triangles as the few pixels that it covers: fewer cards than such a mesh has stand
+/// there, though more than pixels.
+#[test]
+fn cards_stand_where_what_is_drawn_has_more_triangles_than_pixels() {
+    let (tree, all) = firs(40);
     let options = ChainOptions {
         max_difference: 0.28,
         ..far_options()
@@ -217,6 +224,36 @@ fn cards_stand_where_what_is_drawn_has_more_triangles_than_pixels() {
         .covered_px(last.pixels_high);
     assert_eq!(last.kind, LevelKind::Impostor);
     assert!(last.triangles as f64 > covered && 4 * last.triangles < all);
+}
+
+/// Where fewer are allowed than the fewest, there are none.
+#[test]
+fn no_fewer_cards_than_are_found_would_do() {
+    let (tree, _) = firs(40);
+    let (engine, options) = (OpenEngine::cpu(), far_options());
+    let look = Maker::new(&tree, &options, &engine).unwrap().look;
+    let (surfaces, judge) = (&look.original.surfaces, look.judge_of_impostors());
+    let mut search = Search::new(surfaces, u64::MAX);
+    for difference in [0.15, 0.3] {
+        let seen = Seen::new(judge, 32.0, Limits::of_difference(difference));
+        let mut fewest = |most| {
+            let found = search.fewest(&seen, most, |made| made, &mut go_on);
+            Some(found.unwrap()?.impostor.surface.triangles.len() / 2)
+        };
+        let found = fewest(fewest_cards::most()).unwrap();
+        assert_eq!(fewest(found - 1), None, "{found} within {difference}");
+    }
+}
+
+/// Surfaces may use more of the limits where gaps between cards are less than a pixel.
+#[test]
+fn cards_of_a_small_solid_plant_may_use_more() {
+    let ((tree, _), engine, options) = (firs(1), OpenEngine::cpu(), far_options());
+    let look = Maker::new(&tree, &options, &engine).unwrap().look;
+    let share = |px| look.limits_of_impostors(px).difference / look.limits.difference;
+    let [small, large] = [16.0, 32.0].map(share);
+    assert!((small - 0.22 / 0.28).abs() < 1e-9, "{small}");
+    assert!((large - 0.18 / 0.28).abs() < 1e-9, "{large}");
 }
 
 /// The first level keeps the normal map of its bark, as it is seen from near by; one of few pixels gets a smaller one, and

@@ -141,7 +141,7 @@ impl<'a, 'm, 'c> HeightSearch<'a, 'm, 'c> {
         self.maker.triangles_beside(drawn) as f64 > covered_px
     }
 
-    /// Cards from a place on, beside the levels that were found; whether a level was sought at that place.
+    /// Cards from a place on, beside the levels that were found. `is_sought` says whether a level of that place was sought.
     fn far_cards(
         &mut self,
         (place, is_sought): (usize, bool),

@@ -138,6 +138,14 @@ fn cards(maker: &Maker<'_>, count: usize, height: f64) -> PlacedImpostor {
     }
 }
 
+/// The cards that are found for these heights, but for the first, beside meshes.
+fn found_cards(maker: &Maker<'_>, meshes: &[Placed], heights: &[f64]) -> Vec<PlacedImpostor> {
+    let (client, mut search) = (maker.client(), CardSearch::new(maker));
+    let at = (heights, 1..heights.len());
+    let found = maker.cards((meshes, true), at, &[], &mut search, &client, &mut go_on);
+    found.unwrap()
+}
+
 fn of_mesh(mesh: &Placed) -> LevelPicture {
     LevelPicture::Mesh(LevelSurfaces {
         surfaces: retextured(&mesh.made.drawn.level, &mesh.chosen.textures),
@@ -174,13 +182,7 @@ fn cards_whose_switch_shows_too_much_are_not_chosen() {
     let maker = Maker::new(&tree, &free, &engine).unwrap();
     let heights = heights(&maker);
     let made = [mesh(&maker, 200, heights[0])];
-    let found = |maker: &Maker<'_>| {
-        let client = maker.client();
-        let places = (&heights[..], 1..heights.len());
-        let mut search = CardSearch::new(maker);
-        let found = maker.cards((&made, true), places, &[], &mut search, &client, &mut go_on);
-        found.unwrap()
-    };
+    let found = |maker: &Maker<'_>| found_cards(maker, &made, &heights);
     let pop_after_mesh = |cards: &PlacedImpostor| {
         pop(
             &maker,
@@ -210,14 +212,9 @@ fn cards_need_to_cost_less_than_a_mesh_that_begins_there() {
     let maker = Maker::new(&tree, &options, &engine).unwrap();
     let heights = heights(&maker);
     let first = |made: &[Placed]| {
-        let client = maker.client();
-        let at = (&heights[..2], 1..2);
-        let mut search = CardSearch::new(&maker);
-        let found = maker.cards((made, true), at, &[], &mut search, &client, &mut go_on);
-        let found = found.unwrap();
-        found
-            .first()
-            .map(|cards| cards.level.impostor.surface.triangles.len())
+        let found = found_cards(&maker, made, &heights[..2]);
+        let cards = found.first()?;
+        Some(cards.level.impostor.surface.triangles.len())
     };
     let near = mesh(&maker, 700, heights[0]);
     let fewest = first(std::slice::from_ref(&near)).unwrap();

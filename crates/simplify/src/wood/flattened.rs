@@ -1,15 +1,15 @@
 //! Bodies of which collapses leave something flat: a front and a back in one plane.
 //!
-//! Of a double-sided material both are drawn from both sides, and whichever is drawn first hides the other: half of all
-//! that look see the colours of the side that is turned away. So both lie a little apart.
+//! In a double-sided material each is drawn from both sides, and the one that is drawn first hides the other: from one
+//! of the sides one sees the light of the other side. So both lie a little apart.
 
 use glam::DVec3;
 use secateur_model::{Foliage, LeafTriangle, Lod, NewCorner, NewLeaf, Place};
 
+use super::fullness::compactness;
 use super::thickness::thickness;
-use super::welded::Welded;
 
-/// What holds no more than this share of its area to the power of 1.5 is flat: a ball holds a tenth.
+/// What is no more compact is flat: a ball is a tenth.
 const FLAT: f64 = 1e-3;
 
 /// How far a face moves outward, over the thickness that the body had.
@@ -25,8 +25,12 @@ fn move_apart(pieces: &Foliage, leaf: &mut NewLeaf) {
     let own = pieces.triangles_of(leaf.donor);
     let left = leaf.triangles_in(pieces, 1.0);
     let is_in_plane = |corner: &NewCorner| matches!(corner.place, Place::InPlaneOf { .. });
-    let is_body = hold(own).is_some_and(|share| share > FLAT);
-    let is_flat = hold(&left).is_some_and(|share| share <= FLAT);
+    let compactness = |triangles: &[LeafTriangle]| {
+        let corners: Vec<_> = triangles.iter().map(|triangle| triangle.corners).collect();
+        compactness(&corners)
+    };
+    let is_body = compactness(own).is_some_and(|found| found > FLAT);
+    let is_flat = compactness(&left).is_some_and(|found| found <= FLAT);
     if !is_body || !is_flat || leaf.triangles.as_flattened().iter().any(is_in_plane) {
         return;
     }
@@ -37,13 +41,6 @@ fn move_apart(pieces: &Foliage, leaf: &mut NewLeaf) {
             corner.place = Place::At(at + out);
         }
     }
-}
-
-/// What closed triangles hold, as a share of their area to the power of 1.5; none if they are open.
-fn hold(triangles: &[LeafTriangle]) -> Option<f64> {
-    let area = 0.5 * triangles.iter().map(|t| across(t).length()).sum::<f64>();
-    let volume = Welded::of(triangles).volume()?;
-    Some(volume.abs() / area.powf(1.5))
 }
 
 fn across(triangle: &LeafTriangle) -> DVec3 {

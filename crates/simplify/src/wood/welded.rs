@@ -51,26 +51,6 @@ impl Welded {
         }
     }
 
-    /// The volume that the mesh holds, below 0 where its triangles face inward; none if it is open anywhere.
-    pub(super) fn volume(&self) -> Option<f64> {
-        let mut open: FxHashMap<[usize; 2], i32> = FxHashMap::default();
-        for &[a, b, c] in &self.triangles {
-            for (from, to) in [(a, b), (b, c), (c, a)] {
-                if from != to {
-                    let by = if from < to { 1 } else { -1 };
-                    *open.entry([from.min(to), from.max(to)]).or_default() += by;
-                }
-            }
-        }
-        let first = *self.places.first()?;
-        let of_triangle = |t: &[usize; 3]| {
-            let [a, b, c] = t.map(|place| self.places[place] - first);
-            a.dot(b.cross(c)) / 6.0
-        };
-        let is_closed = open.values().all(|edges| *edges == 0);
-        is_closed.then(|| self.triangles.iter().map(of_triangle).sum())
-    }
-
     /// The places of each border: those that edges of one triangle connect.
     pub(super) fn borders(&self) -> Vec<Vec<usize>> {
         let is_border = |a: usize, b: usize| self.uses.get(&[a.min(b), a.max(b)]) == Some(&1);
